@@ -88,7 +88,9 @@ void run(const Verb& verb, const Arguments& a) {
         pipeline::learn_actors(log, a.log, tracks, a.options, verb.seed, shown<Progress>("actors"));
   }
   write_logs(a, tracks, origin);
-  if (!a.output.empty()) actors::write_actors(a.output, learnt.actors, origin);
+  if (!a.output.empty()) {
+    actors::write_actors(a.output, learnt.actors, pipeline::with_report(origin, learnt));
+  }
   verb.report(pipeline::json_of(learnt), text_of(learnt.report));
 }
 

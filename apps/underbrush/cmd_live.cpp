@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "cli/option_table.hpp"
-#include "underbrush/live/open_world.hpp"
+#include "underbrush/live/other_worlds.hpp"
 #include "underbrush/live/server.hpp"
 #include "underbrush/serve/token.hpp"
 #include "verbs.hpp"
@@ -11,6 +11,7 @@ void add_live(Program& program) {
   struct Arguments {
     live::WorldOptions world;
     live::ServerOptions server;
+    std::string worlds;
   };
   auto a = std::make_shared<Arguments>();
   const auto run = [a](const Verb& verb) {
@@ -19,10 +20,13 @@ void add_live(Program& program) {
     token = token.empty() ? serve::random_token() : live::read_token(token);
     a->server.version = version();
     const live::OpenedWorld opened = live::open_world(a->world);
-    live::serve(*live::service_of(*opened.sensors), a->server, [&](const std::string& address) {
-      verb.report({{"address", address}, {"token", token}},
-                  fmt::format("listening on {}, token {}; Ctrl-C ends\n", address, token));
-    });
+    live::OtherWorlds others(a->worlds, a->world);
+    live::serve(*live::service_of(*opened.sensors, {}, &others), a->server,
+                [&](const std::string& address) {
+                  verb.report(
+                      {{"address", address}, {"token", token}},
+                      fmt::format("listening on {}, token {}; Ctrl-C ends\n", address, token));
+                });
   };
   const auto verb = add_verb(program, "Simulation", "live", "Fire sensors on demand, over gRPC",
                              "underbrush live model/ --sensor ouster-os1-128\n"
@@ -36,6 +40,8 @@ void add_live(Program& program) {
   app.add_option("--rig", a->world.rig, "All sensors of a vehicle")->type_name("RIG.yaml");
   app.add_option("--mover", a->world.movers, "Add what clients move; may be repeated")
       ->type_name("NAME=MODEL");
+  app.add_option("--worlds", a->worlds, "Folder of other worlds, which requests may name")
+      ->type_name("FOLDER");
   app.add_option("--listen", a->server.address, "HOST:PORT (port 0: a free one), or unix:PATH")
       ->capture_default_str();
   app.add_option("--token", a->server.token, "File with the clients' token")->type_name("FILE");

@@ -143,6 +143,28 @@ def test_describes_itself(world: pathlib.Path, tmp_path: pathlib.Path) -> None:
         assert all(len(c.data) == c.point_step * c.width * c.height > 0 for c in clouds)
 
 
+def test_requests_name_worlds_of_a_folder(world: pathlib.Path, tmp_path: pathlib.Path) -> None:
+    """The same request in another world is answered by that world, and nothing outside of the folder is opened."""
+    (tmp_path / "worlds").mkdir()
+    wall = "v 5 -9 -9\nv 5 9 -9\nv 5 9 9\nv 5 -9 9\nf 1 2 3\nf 1 3 4\n"
+    (tmp_path / "worlds" / "wall.obj").write_text(wall, encoding="utf-8")
+    with serving(world, "--sensor", SENSOR, "--worlds", tmp_path / "worlds") as own:
+        assert list(own.client().describe().worlds) == ["wall.obj"]
+        own.client().describe("wall.obj")
+        seen = own.client().fire(0.1, at(0.1), world="wall.obj", columns=["range_m", "origin", "direction"])
+        hit = np.isfinite(seen["range_m"])
+        ends = (seen["origin"] + seen["range_m"][:, None] * seen["direction"])[hit]
+        assert hit.sum() > 1000
+        assert np.abs(ends[:, 0] - 5).max() < 0.2
+        plain = own.client().fire(0.1, at(0.1))["range_m"]
+        assert plain.tobytes() != seen["range_m"].tobytes()
+        for name in ("..", "../model", "none", "/"):
+            with pytest.raises(grpc.RpcError) as caught:
+                own.client().describe(name)
+            assert caught.value.code() == grpc.StatusCode.INVALID_ARGUMENT
+            assert status_of(own.client().parts(0.1, at(0.1), world=name)) == grpc.StatusCode.INVALID_ARGUMENT
+
+
 def test_wrong_tokens_and_endless_calls_are_refused(server: Server) -> None:
     """Nobody without the token gets an answer, and no call may wait forever."""
     for token in ("", "0" * 32, server.token[:-1], server.token + "0"):

@@ -80,6 +80,28 @@ def test_live_sensor_is_simulate(run: Callable[..., str], model: underbrush.Mode
     assert np.isfinite(scan.range_m).mean() > 0.3
 
 
+def test_parts_of_revolutions_are_simulate(model: underbrush.Model) -> None:
+    """Parts that follow each other have the bits of one simulation along their poses; a gap begins a new scan."""
+    times = [0.0, 0.01, 0.0233, 0.05, 0.1, 0.17, 0.2]
+    places = np.array([[3 * t, 4 * t * t, 1.8] for t in times])
+    turns = np.array([[0, 0, np.sin(t), np.cos(t)] for t in times])
+    whole = underbrush.simulate(model, sensor="velodyne-vlp16",
+                                trajectory=underbrush.Trajectory(np.array(times), places, turns))
+    at = [underbrush.Pose(p, q) for p, q in zip(places, turns, strict=True)]
+    lidar = underbrush.Lidar(model, "velodyne-vlp16")
+    parts = [lidar.fire(at[k - 1], at[k], times[k - 1], times[k]) for k in range(1, len(times))]
+    for name in ("range_m", "intensity", "time_s", "ring", "scan", "packet", "origin", "direction"):
+        together = np.concatenate([getattr(part, name) for part in parts])
+        assert together.tobytes() == getattr(whole, name).tobytes(), name
+    assert lidar.scans == 2
+    assert set(lidar.fire(at[0], at[1], 5.0, 5.01).scan) == {2}
+    with pytest.raises(ValueError, match="order"):
+        lidar.fire(at[0], at[1], 5.01, 5.0)
+    lidar.reset()
+    again = lidar.fire(at[0], at[1], times[0], times[1])
+    assert again.range_m.tobytes() == parts[0].range_m.tobytes()
+
+
 def test_score(run: Callable[..., str], log_file: pathlib.Path, model: underbrush.Model,
                tmp_path: pathlib.Path) -> None:
     underbrush.write_model(tmp_path / "model", model)

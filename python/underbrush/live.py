@@ -54,3 +54,13 @@ class Lidar:
         own time. Raises `ValueError` for a matrix that is no rigid transform.
         """
         return self._core.scan(pose_from, pose_from if pose_to is None else pose_to, time)
+
+    def fire(self, pose_from: Pose | npt.NDArray[np.float64], pose_to: Pose | npt.NDArray[np.float64], time: float,
+             until: float) -> BeamLog:
+        """Fires from `time` to `until` (s), such as a tenth of a revolution, and returns these beams.
+
+        The sensor moves from `pose_from` to `pose_to` meanwhile. A call that begins where the last one ended goes on with
+        its revolution, and all of them have the bits of one `simulate` along their poses. Any other call begins a new
+        scan. Raises `ValueError` for times that are not finite or not in order, and as `scan` does.
+        """
+        return self._core.fire(pose_from, pose_to, time, until)

@@ -67,7 +67,20 @@ for class in all Van Cyclist Pedestrian; do
     underbrush simulate world --actors $kind --like $class.ply -o ${{kind%.json}}.ply
   done
   underbrush score $class.ply ghosts.ply world.ply boxes.ply actors.ply --json $class.json
+  "$PYTHON" "$SOURCE/scripts/actor_pictures.py" $class.ply ghosts.ply actors.ply -o $class.png
 done
+underbrush actors test.ply --boxes "$boxes" $turned --marked others.ply
+for model in ghosts world; do underbrush simulate $model --like others.ply -o $model.ply; done
+underbrush score others.ply ghosts.ply world.ply --json others.json
+edits() {{ echo '{{"format": "underbrush-actor-edits", "version": 1, "actors": "actors", "edits": ['"$2"']}}' > $1.json; }}
+edits removed '{{"edit": "remove", "actor": "van-1"}}'
+edits moved '{{"edit": "move", "actor": "van-1", "translation_m": [10, 0, 0]}}'
+edits turned '{{"edit": "move", "actor": "cyclist-2", "yaw_rad": 3.141592653589793}}'
+for list in actors removed.json moved.json turned.json; do
+  underbrush simulate world --actors $list --like others.ply --element-ids --support -o ${{list%.json}}.ply
+done
+"$PYTHON" "$SOURCE/scripts/actor_edits.py" others.ply actors actors.ply van-1=removed.ply van-1=moved.ply \\
+  cyclist-2=turned.ply > edits.json
 rm -r *.ply ghosts world
 """, TRACKS_NEEDS)
 ACTOR_ROWS = {"ghosts": "ghosts in the world", "world": "left out", "boxes": "boxes", "actors": "actors"}
@@ -84,8 +97,35 @@ def actors(folder):
                 yield f"{row}/{words}", column, [models[model][key]]
 
 
+#: The scores of all beams of the scans that were held out but those that end at an actor.
+STATIC_SCORES = {"packet error, m": "packet_error_m", "F1": "f1", "cloud error, m": "cloud_error_m",
+                 "recall of misses": "recall_of_misses"}
+
+
+def actors_static(folder):
+    models = read_json(folder / "others.json")["models"]
+    for model, words in (("ghosts", "all returns"), ("world", "without the actors")):
+        for column, key in STATIC_SCORES.items():
+            yield words, column, [models[model][key]]
+
+
+EDIT_ROWS = {"removed": "the van is removed", "moved": "the van is 10 m ahead", "turned": "the cyclist is turned round"}
+EDIT_COLUMNS = {"ended at it": "met", "end at it now": "met_edited", "freed": "behind",
+                "return from known space": "known_returns", "near a return of another scan": "near_other_scans",
+                "known to be free": "known_misses", "in unknown space": "unknown"}
+
+
+def actor_edits(folder):
+    edits = read_json(folder / "edits.json")
+    for edit, words in EDIT_ROWS.items():
+        for column, key in EDIT_COLUMNS.items():
+            yield words, column, [edits[edit][key]]
+
+
 def measured():
     """The tables of this file, by name."""
     return {"sequential": Measured((Part((SEQUENTIAL,), sequential),)),
             "actors": Measured((Part((ACTORS,), actors),)),
+            "actors-static": Measured((Part((ACTORS,), actors_static),)),
+            "actors-edits": Measured((Part((ACTORS,), actor_edits),)),
             "movers": Measured((Part((MOVERS,), movers), Part((MOVERS_FOREST,), movers_forest)))}

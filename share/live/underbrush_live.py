@@ -37,15 +37,16 @@ class SensorServer:
         self.start_s = self.time_s = start_s
         self.paths = {"": [(start_s, vehicle)], **{name: [(start_s, at)] for name, at in actors.items()}}
 
-    def describe(self) -> Any:
-        """What the server simulates: a `Description`."""
-        return self.stub.Describe(proto.DescribeRequest(), metadata=self.metadata, timeout=60)
+    def describe(self, world: str = "") -> Any:
+        """What the server simulates in a world, which is opened if need be: a `Description`."""
+        return self.stub.Describe(proto.DescribeRequest(world=world), metadata=self.metadata, timeout=60)
 
     def parts(self, until_s: float, vehicle: Any, actors: Mapping[str, Any] = {}, timeout: float = 60,
               **wanted: Any) -> Iterable[Any]:
         """Fires up to `until_s`, where vehicle and actors have these poses, and yields each `Part` of the answer.
 
-        An actor with the value `None` is absent. The fields `columns` and `layout` of a request are given by `wanted`.
+        An actor with the value `None` is absent. The fields `columns`, `layout` and `world` of a request are given by
+        `wanted`.
         """
         paths = {name: [*self.paths.get(name, [])[-2:], (until_s, at)] for name, at in {"": vehicle, **actors}.items()}
         motions = {name: proto.Motion(poses=[proto.StampedPose(time_s=t, world_from_body=at) for t, at in path])

@@ -86,6 +86,27 @@ TEST(Actors, AreMetWhereAndWhileTheyAreThere) {
   }
 }
 
+TEST(ActorEdits, AShiftFadesAwayFromItsTime) {
+  std::vector<StampedPose> poses;
+  for (int k = 0; k <= 20; ++k) poses.push_back({0.1 * k, at(k, 0, 0.7)});
+  const std::vector<Actor> before{{"van-1", "van", sheet(), Trajectory(poses)}};
+  std::vector<Actor> whole = before, bent = before;
+  shift_actor(whole, "van-1", Vec3(0, 2, 1), 0, std::numeric_limits<double>::infinity());
+  shift_actor(bent, "van-1", Vec3(0, 2, 1), 0.8, 0.6);
+  for (int k = 0; k <= 20; ++k) {
+    const auto moved = [&](const std::vector<Actor>& by) {
+      const Pose now = by[0].world_from_actor.poses()[size_t(k)].world_from_sensor;
+      EXPECT_EQ(now.rotation.coeffs(), poses[size_t(k)].world_from_sensor.rotation.coeffs());
+      return Vec3(now.translation - poses[size_t(k)].world_from_sensor.translation);
+    };
+    EXPECT_LT((moved(whole) - Vec3(0, 2, 1)).norm(), 1e-12) << k;
+    const double share = k == 8 ? 1 : k == 5 || k == 11 ? 0.5 : k > 2 && k < 14 ? -1 : 0;
+    if (share >= 0) {
+      EXPECT_LT((moved(bent) - share * Vec3(0, 2, 1)).norm(), 1e-12) << k;
+    }
+  }
+}
+
 class EditFile : public testing::Test {
  protected:
   EditFile() {
@@ -121,6 +142,7 @@ const std::map<std::string, Json>& every_edit() {
       {"remove", {{"actor", "van-1"}}},
       {"move", {{"actor", "van-1"}, {"translation_m", {1, 0, 0}}, {"yaw_rad", 3.14}}},
       {"delay", {{"actor", "van-1"}, {"by_s", -1}}},
+      {"shift", {{"actor", "van-1"}, {"translation_m", {1, 0, 0}}, {"at_s", 1}, {"within_s", 2}}},
       {"copy", {{"actor", "van-1"}, {"as", "van-2"}}},
       {"trajectory", {{"actor", "van-1"}, {"trajectory", "path.txt"}}},
       {"model", {{"actor", "pedestrian-2"}, {"model", "box.obj"}}}};
@@ -140,7 +162,8 @@ TEST_F(EditFile, HasTheMembersOfTheSchema) {
       Json less = good;
       less.erase(name);
       const auto& required = described["required"];
-      const bool is_needed = std::find(required.begin(), required.end(), name) != required.end();
+      const bool is_needed = std::find(required.begin(), required.end(), name) != required.end() ||
+                             described.value("dependentRequired", Json::object()).contains(name);
       EXPECT_EQ(said_of(Json::array({less})).empty(), !is_needed) << kind << " " << name;
     }
     EXPECT_EQ(described["properties"].size(), good.size()) << kind;

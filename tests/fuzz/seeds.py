@@ -99,6 +99,7 @@ COMPOSE = "nearest: 2\nscale: true\nstrict: false\nclass-density: [large_shrub=0
 EDITS = """{"format": "underbrush-actor-edits", "version": 1, "actors": "actors", "edits": [
   {"edit": "copy", "actor": "van-1", "as": "second"}, {"edit": "delay", "actor": "second", "by_s": 0.1},
   {"edit": "move", "actor": "second", "translation_m": [0, 4, 0], "yaw_rad": 0.5},
+  {"edit": "shift", "actor": "second", "translation_m": [1, 0, 0], "at_s": 0.1, "within_s": 2},
   {"edit": "trajectory", "actor": "van-1", "trajectory": "path.txt"},
   {"edit": "model", "actor": "second", "model": "tree.obj"}]}
 """

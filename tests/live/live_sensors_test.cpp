@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "live/site.hpp"
 
 namespace underbrush::live {
@@ -64,6 +66,65 @@ TEST(LiveSensors, PartsAreTheBeamsThatSimulateAnswers) {
       expect_equal(parts(live), expected);
     }
   }
+}
+
+/// A world whose matter sways with a correlation time that its models have learnt.
+pipeline::World swaying(pipeline::World world, double sway_s) {
+  for (elements::Model& m : world.scene.models) m.sway_s = sway_s;
+  return world;
+}
+
+TEST(LiveSensors, LeavesSwayInTheTimeOfTheWorldAsInSimulate) {
+  constexpr double kSway = 0.06;
+  const Trajectory path(poses(boundaries(), vehicle_at)), cart(poses(boundaries(), cart_at));
+  for (const char* super_sample : {"", "3"}) {
+    SCOPED_TRACE(super_sample);
+    pipeline::SimulateOptions options;
+    options.instrument.super_sample = super_sample;
+    const sensor::Sensor vlp16 = sensor::load("velodyne-vlp16");
+    const pipeline::TracedWorld whole(swaying(site(cart), kSway));
+    ASSERT_EQ(whole.sway_s(), kSway);
+    pipeline::Simulation simulation(whole, options,
+                                    [&](const char*) { return sensor::Sensor(vlp16); });
+    pipeline::SensorBeams beams(vlp16, path);
+    pipeline::TracedWorld world(swaying(site(), kSway)), still_world(site());
+    LiveSensors live(world, options, vlp16), still(still_world, options, vlp16);
+    const BeamLog answered = parts(live);
+    expect_equal(answered, simulate_log(simulation, beams));
+    EXPECT_NE(answered.range_m, parts(still).range_m);
+  }
+  pipeline::SimulateOptions options;
+  const pipeline::TracedWorld whole(swaying(site(cart), kSway));
+  const auto beams = pipeline::rig_beams(two_sensors(), path);
+  pipeline::Simulation simulation(whole, options, beams->sensors());
+  pipeline::TracedWorld world(swaying(site(), kSway));
+  LiveSensors live(world, options, two_sensors());
+  expect_equal(parts(live), simulate_log(simulation, *beams));
+}
+
+TEST(LiveSensors, ALeafIsTheSameOneFromFiringToFiringForItsCorrelationTime) {
+  constexpr double kSway = 0.4, kPeriod = 0.1;  // s
+  pipeline::TracedWorld world(swaying(site(), kSway));
+  LiveSensors live(world, {}, sensor::load("generic-raster"));
+  const auto scan = [&](double time_s) {
+    Firing f{time_s, time_s, time_s + kPeriod, {{{time_s, vehicle_at(0)}}}, {}};
+    f.actors.push_back({"cart", {}, true});
+    return live.fire(f);
+  };
+  // The share of beams that end elsewhere grows evenly with the time, up to the correlation time.
+  std::map<int, double> changed;
+  for (int first = 0; first < 20; ++first) {
+    const BeamLog a = scan(7 + kPeriod * first);
+    for (const int later : {1, 2, 4, 8}) {
+      const BeamLog b = scan(7 + kPeriod * (first + later));
+      ASSERT_EQ(a.direction, b.direction);
+      for (size_t i = 0; i < a.size(); ++i) changed[later] += a.range_m[i] != b.range_m[i];
+    }
+  }
+  ASSERT_GT(changed[8], 5000);
+  EXPECT_NEAR(changed[1] / changed[8], 0.25, 0.05);
+  EXPECT_NEAR(changed[2] / changed[8], 0.5, 0.05);
+  EXPECT_NEAR(changed[4] / changed[8], 1, 0.05);
 }
 
 TEST(LiveSensors, PartsOfARigAreTheBeamsThatSimulateAnswers) {

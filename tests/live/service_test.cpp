@@ -3,9 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <fstream>
 #include <thread>
 
+#include "io/temporary.hpp"
 #include "live/site.hpp"
+#include "underbrush/elements/model_file.hpp"
+#include "underbrush/live/other_worlds.hpp"
 
 namespace underbrush::live {
 namespace {
@@ -13,9 +17,9 @@ namespace {
 using namespace test;
 
 /// A service of one sensor, and what it sends.
-class Service_ : public testing::Test {
+class FiringService : public testing::Test {
  protected:
-  Service_() : world_(site()), sensors_(world_, {}, sensor::load("velodyne-vlp16")) {}
+  FiringService() : world_(site()), sensors_(world_, {}, sensor::load("velodyne-vlp16")) {}
 
   Call call() {
     return {std::chrono::system_clock::now() + std::chrono::minutes(1), [] { return false; },
@@ -35,9 +39,9 @@ class Service_ : public testing::Test {
   std::vector<Part> sent_;
 };
 
-TEST_F(Service_, SendsTheColumnsInParts) {
+TEST_F(FiringService, SendsTheColumnsInParts) {
   const auto service = service_of(sensors_, {1 << 20, 3600, 100});
-  ASSERT_TRUE(service->fire({part(3), {"range_m", "origin"}, ""}, call()));
+  ASSERT_TRUE(service->fire({part(3), {"range_m", "origin"}, "", ""}, call()));
   const BeamLog beams = sensors_.fire(part(3));
   ASSERT_GT(beams.size(), 200u);
   EXPECT_EQ(sent_.size(), (beams.size() + 99) / 100);
@@ -50,9 +54,9 @@ TEST_F(Service_, SendsTheColumnsInParts) {
   EXPECT_EQ(std::memcmp(origins.data(), beams.origin.data(), origins.size()), 0);
 }
 
-TEST_F(Service_, SendsTheCloudsOfADriver) {
+TEST_F(FiringService, SendsTheCloudsOfADriver) {
   const auto service = service_of(sensors_);
-  ASSERT_TRUE(service->fire({part(3), {}, "velodyne"}, call()));
+  ASSERT_TRUE(service->fire({part(3), {}, "velodyne", ""}, call()));
   const BeamLog beams = sensors_.fire(part(3));
   const PointCloud& cloud = sent_.at(0).clouds.at(0);
   EXPECT_EQ(cloud.point_step, 22u);
@@ -69,33 +73,79 @@ TEST_F(Service_, SendsTheCloudsOfADriver) {
   EXPECT_EQ(at, cloud.width);
 }
 
-TEST_F(Service_, RefusesTooMuch) {
+TEST_F(FiringService, RefusesTooMuch) {
   const auto service = service_of(sensors_, {1000, 3600, 100});
-  EXPECT_THROW(service->fire({part(7), {}, ""}, call()), std::invalid_argument);
+  EXPECT_THROW(service->fire({part(7), {}, "", ""}, call()), std::invalid_argument);
   Firing late = part(1);
   late.start_s -= 3601;
-  EXPECT_THROW(service->fire({late, {}, ""}, call()), std::invalid_argument);
+  EXPECT_THROW(service->fire({late, {}, "", ""}, call()), std::invalid_argument);
   const auto other = service_of(sensors_);
-  EXPECT_THROW(other->fire({part(1), {"range_m", "range_m"}, ""}, call()), std::invalid_argument);
-  EXPECT_THROW(other->fire({part(1), {"weight"}, ""}, call()), std::invalid_argument);
-  EXPECT_THROW(other->fire({part(1), {}, "hokuyo"}, call()), std::invalid_argument);
+  EXPECT_THROW(other->fire({part(1), {"range_m", "range_m"}, "", ""}, call()),
+               std::invalid_argument);
+  EXPECT_THROW(other->fire({part(1), {"weight"}, "", ""}, call()), std::invalid_argument);
+  EXPECT_THROW(other->fire({part(1), {}, "hokuyo", ""}, call()), std::invalid_argument);
   EXPECT_TRUE(sent_.empty());
 }
 
-TEST_F(Service_, EndsWithItsDeadlineAndItsClient) {
+TEST_F(FiringService, FiresInTheWorldsOfAFolderByTheirNames) {
+  const io::TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "worlds");
+  elements::write_model(folder / "worlds/flat", underbrush::test::flat_ground(60));
+  elements::Model raised = underbrush::test::flat_ground(60);
+  raised.origin.z() = 0.7;
+  elements::write_model(folder / "worlds/raised", raised);
+  elements::write_model(folder / "outside", raised);
+  std::ofstream(folder / "worlds/note.txt") << "no world\n";
+  std::filesystem::create_directory_symlink(folder / "outside", folder / "worlds/link");
+  WorldOptions options;
+  options.sensor = "velodyne-vlp16";
+  OtherWorlds others(folder / "worlds", options);
+  const auto service = service_of(sensors_, {}, &others);
+  EXPECT_EQ(service->describe("raised").worlds,
+            (std::vector<std::string>{"flat", "note.txt", "raised"}));
+  EXPECT_TRUE(service->describe("raised").actors.empty());
+  EXPECT_EQ(service->describe("").actors, std::vector<std::string>{"cart"});
+  const auto fired = [&](const std::string& world) {
+    sent_.clear();
+    Firing f = part(3);
+    f.actors.clear();
+    EXPECT_TRUE(service->fire({f, {"range_m"}, "", world}, call()));
+    return column(0);
+  };
+  const std::string own = fired("");
+  pipeline::TracedWorld alone(raised);
+  LiveSensors there(alone, {}, sensor::load("velodyne-vlp16"));
+  Firing f = part(3);
+  f.actors.clear();
+  const BeamLog expected = there.fire(f);
+  const std::string raised_ranges = fired("raised");
+  ASSERT_EQ(raised_ranges.size(), 4 * expected.size());
+  EXPECT_EQ(std::memcmp(raised_ranges.data(), expected.range_m.data(), raised_ranges.size()), 0);
+  EXPECT_NE(fired("flat"), raised_ranges);
+  EXPECT_EQ(fired("raised"), raised_ranges);
+  EXPECT_EQ(fired(""), own);
+  for (const char* name : {"link", "outside", "../outside", "."}) {
+    EXPECT_THROW(service->describe(name), std::invalid_argument) << name;
+  }
+  EXPECT_THROW(service->describe("note.txt"), std::invalid_argument);
+  EXPECT_THROW(service_of(sensors_)->describe("flat"), std::invalid_argument);
+  EXPECT_EQ(fired("flat"), fired("flat"));
+}
+
+TEST_F(FiringService, EndsWithItsDeadlineAndItsClient) {
   const auto service = service_of(sensors_, {1 << 20, 3600, 100});
   Call gone = call();
   gone.is_cancelled = [] { return true; };
-  EXPECT_FALSE(service->fire({part(3), {}, ""}, gone));
+  EXPECT_FALSE(service->fire({part(3), {}, "", ""}, gone));
   EXPECT_TRUE(sent_.empty());
   Call slow = call();
-  slow.send = [&](Part p) {
+  slow.send = [&](const Part& p) {
     // Another client is answered while this one takes its time, until its own deadline.
     if (p.first_row > 0) return false;
-    EXPECT_TRUE(service->fire({part(2), {}, ""}, call()));
+    EXPECT_TRUE(service->fire({part(2), {}, "", ""}, call()));
     return false;
   };
-  EXPECT_FALSE(service->fire({part(3), {}, ""}, slow));
+  EXPECT_FALSE(service->fire({part(3), {}, "", ""}, slow));
   EXPECT_FALSE(sent_.empty());
 }
 

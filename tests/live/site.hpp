@@ -39,6 +39,7 @@ inline std::vector<double> boundaries() { return {7, 7.01, 7.0233, 7.05, 7.1, 7.
 template <class PoseAt>
 std::vector<StampedPose> poses(const std::vector<double>& times, PoseAt pose_at) {
   std::vector<StampedPose> out;
+  out.reserve(times.size());
   for (const double t : times) out.push_back({t, pose_at(t - 7)});
   return out;
 }

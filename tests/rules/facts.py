@@ -136,7 +136,8 @@ NEVER = [(r"not there yet", "object lists, the FMU and the page of the browser a
          (r"given as a mesh with poses", "a model's folder moves, too")]
 
 #: Options of programs that are neither ours nor in the tree.
-OTHERS = {"--build", "--config-settings", "--install", "--prefix", "--preset", "--strict", "--test-dir"}
+OTHERS = {"--build", "--config-settings", "--install", "--packages-select", "--prefix", "--preset", "--ros-args", "--strict",
+          "--test-dir"}
 
 
 @functools.lru_cache(maxsize=None)

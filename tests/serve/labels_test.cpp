@@ -161,7 +161,7 @@ TEST(Labels, ADocumentBelongsToOneFileAndOneProgram) {
   const TemporaryFolder folder;
   LabelDocument d(folder / "j", kFacts, {}, 9);
   EXPECT_THROW(LabelDocument(folder / "j", kFacts, {}, 9), FormatError);
-  LabelDocument(folder / "other", kFacts, {}, 9);
+  { const LabelDocument made(folder / "other", kFacts, {}, 9); }
   LabelFacts other = kFacts;
   other.contents = "2";
   EXPECT_THROW(LabelDocument(folder / "other", other, {}, 9), FormatError);
@@ -215,6 +215,9 @@ TEST(Labels, BoxesAreChecked) {
     bad.replace(bad.find(from), from.size(), to);
     EXPECT_THROW(check_box(bad), std::invalid_argument) << bad;
   }
+  std::string moves = good;
+  moves.replace(moves.find("small_tree"), 10, R"(car","scan":3,"track":1,"name":")");
+  EXPECT_NO_THROW(check_box(moves));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 import { createRequire } from 'node:module';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
+import { editActors } from './actors.mjs';
 import { launched } from './chromium.mjs';
 import { lookAtBeams } from './beams.mjs';
 import { lookAtPage, lookAtPhone, lookEarly } from './page.mjs';
@@ -112,15 +113,16 @@ async function accessible(when) {
   expect(words.length === 0, `${when}: ${words.join('; ')}`);
 }
 
-if (part !== 'labels') await viewEverything();
+if (!part) await viewEverything();
 
 // Labels, boxes and commands. The console may complain of the server that is killed.
 await page.setViewportSize({ width: 900, height: 420 });
 const tools = { page, expect, ready, accessible, picture, program, folder };
 const sound = [...complaints];
-await labelLog(tools);
+if (part !== 'actors') await labelLog(tools);
 complaints.splice(0, complaints.length, ...sound, ...complaints.filter((c) => !/ERR_CONNECTION_REFUSED|409|Failed to fetch/.test(c)));
-await composeScene(tools);
+if (part !== 'actors') await composeScene(tools);
+await editActors(tools);
 
 await browser.close();
 expect(complaints.length === 0, `the console: ${complaints.join('; ')}`);

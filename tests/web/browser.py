@@ -70,7 +70,8 @@ def main():
     parser.add_argument("--animate", type=pathlib.Path, help="only make the pictures of the docs in this folder")
     parser.add_argument("--speed", type=pathlib.Path, help="only measure the page with this log")
     parser.add_argument("--update", action="store_true", help="keep the pictures of references/ anew")
-    parser.add_argument("--only", default="", help="'labels': only the steps of labels.mjs")
+    parser.add_argument("--only", default="", help="'labels': only the steps of labels.mjs and "
+                        "actors.mjs; 'actors': only those of actors.mjs")
     options = parser.parse_args()
     cli_test.PROGRAM = str(options.program.resolve())
     for tool in ("node", "npm", "chromium"):
@@ -86,7 +87,8 @@ def main():
         serving.make_files(data)
         forest = TESTS.parent / "share/examples/marv_forest.pcd"
         for words in (("import", forest, "-o", "whole.ply"),
-                      ("split", "whole.ply", "--columns", "16", "--train", "rest.ply", "--test", "forest.ply")):
+                      ("split", "whole.ply", "--columns", "16", "--train", "rest.ply", "--test", "forest.ply"),
+                      ("actors", *cli_test.JOBS["actors"])):
             assert cli_test.call(*words, cwd=data).returncode == 0
         info = json.loads(cli_test.call("info", "log.ply", "--json", "-", cwd=data).stdout)
         server = serving.Server(data, "log.ply", "model", "primitives", "scene", "score.json")

@@ -76,6 +76,38 @@ export interface WorldFacts {
   classes: string[];
 }
 
+/** A pose: time (s), place relative to the world's origin (m), and a quaternion w x y z. */
+export type TimedPose = [number, number, number, number, number, number, number, number];
+
+/** What moves as one model for a while; null = without an end. */
+export interface ActorPart {
+  instance: number;
+  from_s: number | null;
+  to_s: number | null;
+  poses: TimedPose[];
+}
+
+export interface Actor {
+  name: string;
+  class: string;
+  /** What it was learnt from, where that is known. */
+  returns: number | null;
+  scans: number | null;
+  parts: ActorPart[];
+}
+
+/** One of the edits of share/schemas/actor-edits.json that name no file. */
+export interface ActorEdit {
+  edit: 'remove' | 'move' | 'shift' | 'delay' | 'copy';
+  actor: string;
+  translation_m?: Triple;
+  yaw_rad?: number;
+  at_s?: number;
+  within_s?: number;
+  by_s?: number;
+  as?: string;
+}
+
 export interface Beam {
   row: number;
   beam: number;

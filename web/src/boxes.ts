@@ -3,11 +3,15 @@ import { Box3, Box3Helper, Color, Group, Vector3 } from 'three';
 import { BoxViews, type SceneBox } from './box-views';
 import type { App } from './context';
 import { type LabelBox, Labelled } from './labelled';
+import type { Octree } from './octree';
 import { button, el, root } from './panel';
+import type { TimeBar } from './time';
 
 type NewBox = Omit<LabelBox, 'number'>;
 
 const OBJECT_CLASS = /shrub|tree/;
+/** Classes of what moves, and so of tracks. */
+const MOVING = ['car', 'van', 'truck', 'cyclist', 'pedestrian', 'other'];
 
 /** The boxes of one file, and the one that is chosen. */
 export class Boxes {
@@ -20,10 +24,14 @@ export class Boxes {
   private readonly numbers: HTMLInputElement[] = [];
   readonly element: HTMLElement;
 
-  constructor(private readonly app: App) {
+  constructor(
+    private readonly app: App,
+    private readonly time: TimeBar,
+  ) {
     this.views = new BoxViews(app.viewer, (box, done) => this.dragged(box, done));
     app.viewer.add(this.group);
-    this.list.addEventListener('change', () => this.choose(Number(this.list.value)));
+    this.list.addEventListener('change', () => this.goTo(Number(this.list.value)));
+    time.onTime.push(() => this.draw(this.boxes));
     this.classes.addEventListener('change', () => this.alter((box) => (box.class = this.classes.value)));
     const fields = ['x', 'y', 'z', 'turn, °', 'long', 'wide', 'high'].map((name, k) => {
       const field = el('input', { type: 'number', step: k === 3 ? '5' : '0.1' });
@@ -43,6 +51,9 @@ export class Boxes {
       button('To the ground', 'Drop the box to the ground', () => this.alter((box) => this.drop(box))),
       button('Copy', 'Copy the box beside itself', () => this.app.run(this.copy())),
       button('Delete', 'Delete the box', () => this.app.run(this.remove())),
+      button('Track', 'Make the box the first one of something that moves, in the scan that is shown', () => this.beginTrack()),
+      button('Scan before', 'The box of the track in the scan before, carried there if it has none', () => this.app.run(this.carry(-1))),
+      button('Next scan', 'The box of the track in the next scan, carried there if it has none', () => this.app.run(this.carry(1))),
     );
   }
 
@@ -91,6 +102,52 @@ export class Boxes {
     copy.position_m[0] += box.max_m[0] - box.min_m[0] + 0.5;
     this.drop(copy);
     await this.add(copy);
+  }
+
+  /** The log of the boxes; null for a model. */
+  private get octree(): Octree | null {
+    return this.document?.cloud?.octree ?? null;
+  }
+
+  /** Chooses a box, and shows the scan of one that has a scan. */
+  private goTo(number: number): void {
+    this.choose(number);
+    const box = this.current();
+    if (box?.scan !== undefined && this.octree) this.time.showScan(this.octree, box.scan);
+  }
+
+  private beginTrack(): void {
+    const { octree } = this;
+    if (!octree) return this.app.tell('Tracks are of a log: choose one for boxes');
+    this.alter((box) => {
+      if (box.track !== undefined) return;
+      box.track = 1 + Math.max(0, ...this.boxes.map((b) => b.track ?? 0));
+      box.scan = this.time.scanShown(octree);
+      if (!MOVING.includes(box.class)) box.class = 'car';
+      this.time.showScan(octree, box.scan);
+    });
+  }
+
+  /** Goes to the box of the same track in the scan before or after; where there is none, the motion goes on evenly. */
+  private async carry(by: 1 | -1): Promise<void> {
+    const box = this.current();
+    if (!box || box.track === undefined || !this.octree) throw new Error('Choose a box of a track first');
+    const scans = [...new Set(this.octree.runs.map((run) => run.scan))];
+    const k = scans.indexOf(box.scan!);
+    const scan = scans[k + by];
+    if (scan === undefined) throw new Error('There is no such scan');
+    const of = (wanted: number | undefined) => this.boxes.find((b) => b.track === box.track && b.scan === wanted);
+    const there = of(scan);
+    if (there) return this.goTo(there.number);
+    const { number: _, ...next } = structuredClone(box);
+    const last = of(scans[k - by]);
+    if (last) {
+      next.position_m = next.position_m.map((v, c) => Math.round((2 * v - last.position_m[c as 0]!) * 1000) / 1000) as [number, number, number];
+      const turn = box.yaw_rad - last.yaw_rad;
+      next.yaw_rad += Math.atan2(Math.sin(turn), Math.cos(turn));
+    }
+    await this.add({ ...next, scan });
+    this.time.showScan(this.octree, scan);
   }
 
   private async remove(): Promise<void> {
@@ -154,7 +211,9 @@ export class Boxes {
 
   private draw(boxes: LabelBox[]): void {
     this.group.children.slice().forEach((child) => child.removeFromParent());
+    const shown = this.octree && this.time.scanShown(this.octree);
     for (const box of boxes) {
+      if (box.scan !== undefined && box.scan !== shown) continue;
       const scene = this.sceneBox(box);
       const frame = new Group();
       frame.position.copy(scene.position);
@@ -169,11 +228,15 @@ export class Boxes {
   show(): void {
     const { boxes } = this;
     if (!this.current()) this.chosen = boxes.at(-1)?.number ?? 0;
-    const names = (this.document?.state?.classes ?? []).map((c) => c.name).filter((n) => OBJECT_CLASS.test(n));
-    if (this.classes.childElementCount !== names.length) {
+    const moves = this.current()?.track !== undefined;
+    const plants = (this.document?.state?.classes ?? []).map((c) => c.name).filter((n) => OBJECT_CLASS.test(n));
+    const names = moves ? MOVING : plants;
+    if (this.classes.dataset.names !== names.join()) {
+      this.classes.dataset.names = names.join();
       this.classes.replaceChildren(...names.map((n) => el('option', { value: n }, n)));
     }
-    this.list.replaceChildren(...boxes.map((b) => el('option', { value: `${b.number}` }, `${b.number} ${b.class}`)));
+    const track = (b: LabelBox) => (b.track === undefined ? '' : `, track ${b.track} in scan ${b.scan}`);
+    this.list.replaceChildren(...boxes.map((b) => el('option', { value: `${b.number}` }, `${b.number} ${b.class}${track(b)}`)));
     this.list.value = `${this.chosen}`;
     const box = this.current();
     if (box) {

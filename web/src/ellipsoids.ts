@@ -317,7 +317,7 @@ export function chooseBlocks(
     const scale = frame.scale.x;
     sphere.copy(block.sphere).applyMatrix4(frame.matrixWorld);
     sphere.radius += 3 * radius * block.width * scale;
-    if (!frustum.intersectsSphere(sphere)) {
+    if (!frame.visible || !frustum.intersectsSphere(sphere)) {
       show(placed, null, looks);
       continue;
     }

@@ -20,6 +20,9 @@ export interface LabelBox {
   min_m: [number, number, number];
   max_m: [number, number, number];
   primitive?: { file: number; model: number };
+  /** What moves has a box in each scan. */
+  track?: number;
+  scan?: number;
 }
 
 export interface LabelState {

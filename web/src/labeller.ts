@@ -97,13 +97,7 @@ export class Labeller {
 
   /** Shows the times of the chosen scan alone, or all. */
   private showScan(): void {
-    const { runs, facts } = this.labelled!.cloud!.octree;
-    const [from, to] = [facts.first_time_s, facts.last_time_s];
-    const first = runs.findIndex((run) => `${run.scan}` === this.scan.value);
-    if (first < 0) return this.menu.time.set(to - from, to - from);
-    const next = runs.slice(first).find((run) => run.scan !== runs[first]!.scan);
-    const [begin, end] = [runs[first]!.time, next?.time ?? to];
-    this.menu.time.set(end - from, end - begin);
+    this.menu.time.showScan(this.labelled!.cloud!.octree, this.scan.value === '' ? null : Number(this.scan.value));
   }
 
   get file(): ServedFile | null {

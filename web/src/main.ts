@@ -2,6 +2,7 @@
 import './style.css';
 import { Vector3 } from 'three';
 import { listen, setPanel, viewActions } from './actions';
+import { Actors } from './actors';
 import { type FileList, json } from './api';
 import { Compare } from './compare';
 import { App } from './context';
@@ -33,10 +34,11 @@ picking.onBeam.push((file, row) => images.mark(file, row));
 menu.time.onTime.push((time) => images.goTo(time));
 const jobs = list.jobs ? new JobsPanel(app, menu) : null;
 const workflow = labeller && jobs ? new Workflow(app, labeller, jobs, menu) : null;
-const placing = workflow ? new Placing(app, labeller!, jobs!, workflow) : null;
+const placing = workflow ? new Placing(app, labeller!, jobs!, workflow, menu.time) : null;
+const actors = new Actors(app, menu, jobs, workflow && ((edits) => workflow.simulate(edits)));
 jobs?.onFiles.push(() => compare.refresh(), () => images.refresh());
 labeller?.onChange.push(() => menu.legend.show());
-const actions = [...viewActions(app, menu, picking), ...menu.time.actions(), ...images.actions(), ...compare.actions(), ...(labeller?.actions() ?? []), ...(placing?.actions() ?? [])];
+const actions = [...viewActions(app, menu, picking), ...menu.time.actions(), ...images.actions(), ...compare.actions(), ...actors.actions(), ...(labeller?.actions() ?? []), ...(placing?.actions() ?? [])];
 
 listen(app, picking, actions);
 window.matchMedia('(prefers-color-scheme: light)').addEventListener('change', () => app.apply());

@@ -18,6 +18,8 @@ export class Menu {
   readonly sliceAt;
   /** True until the link that the page was opened with is restored. */
   restoring = true;
+  /** The times of what moves, s, where no log is shown. */
+  movingTimes: () => [number, number] | null = () => null;
   private readonly beamBox = el('select', { 'aria-label': 'Beams of a scan' });
   readonly time: TimeBar;
   readonly legend: Legend;
@@ -158,21 +160,25 @@ export class Menu {
   }
 
   /** Fits the sliders to what is shown. */
-  private limits(): void {
+  limits(): void {
     const { viewer, files, state } = this.app;
     const box = viewer.bounds();
     this.sliceAt.limits(box.min[state.slice.axis], box.max[state.slice.axis]);
     let end = 0;
+    let first = Infinity;
     const runs = [el('option', { value: '' }, 'no beams')];
     for (const [id, cloud] of files.clouds) {
       const facts = cloud.octree.facts;
       end = Math.max(end, facts.last_time_s - facts.first_time_s);
+      first = Math.min(first, facts.first_time_s);
       cloud.octree.runs.slice(0, 2000).forEach((run, k) => {
         const text = `${files.file(id).name}: scan ${run.scan}, ${(run.time - facts.first_time_s).toFixed(2)} s`;
         runs.push(el('option', { value: `${id} ${k}` }, text));
       });
     }
-    this.time.setSpan(end);
+    const moving = files.clouds.size === 0 ? this.movingTimes() : null;
+    if (moving) this.time.setSpan(moving[1] - moving[0], moving[0]);
+    else this.time.setSpan(end, Number.isFinite(first) ? first : 0);
     this.app.run(this.time.showPaths());
     const kept = this.beamBox.value;
     this.beamBox.replaceChildren(...runs);

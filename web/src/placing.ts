@@ -8,6 +8,7 @@ import type { Action } from './keys';
 import type { Labeller } from './labeller';
 import { button, el, slider } from './panel';
 import type { Drawn } from './tools';
+import type { TimeBar } from './time';
 import type { Workflow } from './workflow';
 
 export class Placing {
@@ -24,8 +25,9 @@ export class Placing {
     private readonly labeller: Labeller,
     private readonly jobs: JobsPanel,
     private readonly workflow: Workflow,
+    time: TimeBar,
   ) {
-    this.boxes = new Boxes(app);
+    this.boxes = new Boxes(app, time);
     this.target.addEventListener('change', () => app.run(this.openBoxes()));
     const spacing = slider('Scatter, m', [0.5, 20, 0.5], this.spacing, (v) => (this.spacing = v));
     app.section(
@@ -38,6 +40,8 @@ export class Placing {
         button('Label inside', 'Give the class to the points in the box', () => this.labelInside()),
         button('Primitives', 'Show the primitives of the chosen set', () => app.run(this.showGallery())),
         button('Compose', 'Compose a scene of the boxes with the chosen primitives', () => app.run(this.compose())),
+        button('Tracks', 'Write the boxes of tracks as lists of objects, for actors --boxes', () => app.run(this.writeTracks())),
+        button('Learn actors', 'Learn what moves in the log from the boxes of tracks', () => app.run(this.learnActors())),
       ),
       spacing.row,
       this.gallery,
@@ -161,6 +165,21 @@ export class Placing {
     const name = this.jobs.freshName('scene');
     const scene = await this.jobs.runAndShow('compose', { annotation, primitives: this.workflow.set.id, nearest: 1, name });
     this.workflow.world.set(scene);
+  }
+
+  /** Writes the boxes of tracks; returns the name of the file. */
+  private async writeTracks(): Promise<string> {
+    const { document } = this.boxes;
+    if (!document) throw new Error('Choose a log for boxes first');
+    const name = this.jobs.freshName('tracks', '.csv');
+    const reply = await post<{ path: string; boxes: number }>('labels/export', { file: document.file, format: 'tracks', name });
+    this.app.tell(`Written: ${reply.path}, ${reply.boxes} boxes`);
+    return name;
+  }
+
+  private async learnActors(): Promise<void> {
+    const boxes = await this.writeTracks();
+    await this.jobs.runAndShow('actors', { log: this.boxes.document!.file, boxes, name: this.jobs.freshName('actors') });
   }
 
   actions(): Action[] {

@@ -41,11 +41,11 @@ export function sideAt(sides: Sides | null, width: number, x: number): { x: numb
   return { x: sides.mode === 'split' && x >= line ? x - line : x, side: x < line ? sides.left : sides.right };
 }
 
-/** Calls `draw` while only one side's file of all `groups` can be seen. */
-export function withOnly<T>(groups: Group[], side: Group | null, draw: () => T): T {
+/** Calls `draw` while only one side's file of all `groups`, and what is drawn `beside` it, can be seen. */
+export function withOnly<T>(groups: Group[], side: Group | null, beside: Group[], draw: () => T): T {
   if (!side) return draw();
   const before = groups.map((group) => group.visible);
-  groups.forEach((group) => (group.visible = group.visible && group === side));
+  groups.forEach((group) => (group.visible = group.visible && (group === side || beside.includes(group))));
   const out = draw();
   groups.forEach((group, k) => (group.visible = before[k]!));
   return out;

@@ -3,7 +3,10 @@ import { BufferAttribute, BufferGeometry, Group, Line, LineBasicMaterial, Points
 import { bytes } from './api';
 import type { App } from './context';
 import type { Action } from './keys';
-import { button, check, el, root, slider } from './panel';
+import type { Octree } from './octree';
+import { button, check, el, root, select, slider } from './panel';
+
+const SPEEDS = ['0.1', '0.25', '0.5', '1', '2', '5'] as const;
 
 /** The path of one sensor: times since the first beam (s), and places relative to the cloud. */
 interface Path {
@@ -58,7 +61,10 @@ export class TimeBar {
   readonly rows: HTMLElement[];
   /** Called with the time when another one is shown. */
   readonly onTime: ((time: number) => void)[] = [];
+  /** The time of the log at which the bar begins, s. */
+  first = 0;
   private span = 0;
+  private speed = 1;
   private time = 0;
   private window = 0;
   private readonly timeSlider;
@@ -74,7 +80,9 @@ export class TimeBar {
     this.windowSlider = slider('and before, s', [0, 1, 0.01], 1, (v) => this.set(this.time, v));
     this.windowSlider.row.title = 'Points of so many seconds before the time are shown';
     this.pathBox = check('Path of the sensor', false, () => app.run(this.showPaths()));
-    this.rows = [this.timeSlider.row, this.windowSlider.row, el('div', { class: 'buttons' }, this.playButton), this.pathBox.row];
+    const speed = select('Speed', SPEEDS, '1', (v) => (this.speed = Number(v)));
+    speed.row.title = 'Seconds of the log that pass in a second';
+    this.rows = [this.timeSlider.row, this.windowSlider.row, el('div', { class: 'buttons' }, this.playButton), speed.row, this.pathBox.row];
   }
 
   /** The times that are shown, in seconds since the first beam. */
@@ -83,9 +91,10 @@ export class TimeBar {
   }
 
   /** Fits the sliders to the longest log that is shown; all times are shown. */
-  setSpan(span: number): void {
-    if (span === this.span) return;
+  setSpan(span: number, first: number): void {
+    if (span === this.span && first === this.first) return;
     this.span = span;
+    this.first = first;
     this.timeSlider.limits(0, span);
     this.windowSlider.limits(0, span);
     this.set(span, span);
@@ -105,6 +114,22 @@ export class TimeBar {
     this.onTime.forEach((act) => act(time));
     root.dataset.time = time.toFixed(3);
     this.app.viewer.draw();
+  }
+
+  /** Shows the times of a scan of a log alone, or all if there is no such scan. */
+  showScan({ runs, facts }: Octree, scan: number | null): void {
+    const [from, to] = [facts.first_time_s, facts.last_time_s];
+    const first = runs.findIndex((run) => run.scan === scan);
+    if (first < 0) return this.set(to - from, to - from);
+    const next = runs.slice(first).find((run) => run.scan !== scan);
+    const [begin, end] = [runs[first]!.time, next?.time ?? to];
+    this.set(end - from, end - begin);
+  }
+
+  /** The scan of a log at the time that is shown. */
+  scanShown({ runs, facts }: Octree): number {
+    const before = runs.filter((run) => run.time - facts.first_time_s < this.time - 1e-6);
+    return (before.at(-1) ?? runs[0])?.scan ?? 0;
   }
 
   /** Shows the paths of the logs that are shown, or hides them. */
@@ -138,7 +163,7 @@ export class TimeBar {
     this.playButton.textContent = 'Stop';
     this.last = performance.now();
     const step = (now: number) => {
-      this.set(Math.min(this.span, this.time + (now - this.last) / 1000), this.window);
+      this.set(Math.min(this.span, this.time + (this.speed * (now - this.last)) / 1000), this.window);
       this.last = now;
       if (this.time >= this.span) this.play();
       else this.playing = requestAnimationFrame(step);

@@ -9,6 +9,7 @@ import {
   type Object3D,
   type OrthographicCamera,
   PerspectiveCamera,
+  Plane,
   Raycaster,
   Scene,
   Vector3,
@@ -287,6 +288,12 @@ export class Viewer {
     return [...this.clouds, ...this.worlds].map((thing) => thing.group);
   }
 
+  /** What is drawn beside the file of a side: what moves stands in the world of its side. */
+  private beside(side: Group | null): Group[] {
+    const worlds = [...this.worlds];
+    return worlds.some((world) => world.group === side) ? worlds.filter((world) => world.moves).map((world) => world.group) : [];
+  }
+
   /** Draws the picture: the points of each side, and then each side with them in it. */
   private renderParts(clouds: Cloud[]): void {
     const { renderer, scene, camera, points } = this;
@@ -301,14 +308,14 @@ export class Viewer {
     points.begin(clouds[0]?.size ?? 1, this.isDeep, scene.background as Color);
     for (const { side, shown, left, ends } of parts) {
       const pane = { left: left * ratio, width: this.view.width * ratio, from: ends[0]!, to: ends[1]! };
-      if (clouds.length > 0) withOnly(this.groups, side, () => points.add(scene, camera, shown, pane));
+      if (clouds.length > 0) withOnly(this.groups, side, this.beside(side), () => points.add(scene, camera, shown, pane));
     }
     points.finish(camera);
     renderer.setScissorTest(parts.length > 1);
     for (const { side, from, width: wide, left } of parts) {
       renderer.setScissor(from, 0, wide, height);
       renderer.setViewport(left, 0, this.view.width, height);
-      withOnly(this.groups, side, () => points.show(scene, camera));
+      withOnly(this.groups, side, this.beside(side), () => points.show(scene, camera));
     }
     renderer.setScissorTest(false);
     renderer.setViewport(0, 0, width, height);
@@ -345,6 +352,12 @@ export class Viewer {
     return this.groundMet(rayThrough(this.view, sideAt(this.sides, this.canvas.clientWidth, x).x, y));
   }
 
+  /** The place at a height (m, the scene's frame) under a pixel of the canvas. */
+  placeUnder(x: number, y: number, height: number): Vector3 | null {
+    const { ray } = rayThrough(this.view, sideAt(this.sides, this.canvas.clientWidth, x).x, y);
+    return ray.intersectPlane(new Plane(new Vector3(0, 0, 1), -height), new Vector3());
+  }
+
   private groundMet(ray: Raycaster): Vector3 | null {
     const shown = [...this.worlds].filter((world) => world.group.visible).map((world) => world.group);
     return ray.intersectObjects(shown, true)[0]?.point ?? null;
@@ -361,7 +374,7 @@ export class Viewer {
   /** Finds what lies at a place of the canvas (CSS pixels), or next to it. */
   pick(at: number, y: number): Picked | null {
     const { x, side } = sideAt(this.sides, this.canvas.clientWidth, at);
-    const picked = withOnly(this.groups, side, () => this.picker.pick(this.view, x, y));
+    const picked = withOnly(this.groups, side, this.beside(side), () => this.picker.pick(this.view, x, y));
     this.draw();
     return picked;
   }

@@ -209,8 +209,9 @@ export class Workflow {
     this.set.set(await this.jobs.runAndShow('extract', { ...this.given('extract'), model: this.model.id, log: this.log.id, name }));
   }
 
-  async simulate(): Promise<void> {
+  /** Simulates the beams of the log in the world, with the actors of a list of edits if one is named. */
+  async simulate(actors?: string): Promise<void> {
     const name = this.jobs.freshName(`${this.stem(this.world)}-scan`, '.ply');
-    this.simulated.set(await this.jobs.runAndShow('simulate', { ...this.given('simulate'), world: this.world.id, like: this.log.id, name }));
+    this.simulated.set(await this.jobs.runAndShow('simulate', { ...this.given('simulate'), world: this.world.id, like: this.log.id, actors, name }));
   }
 }

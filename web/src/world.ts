@@ -76,6 +76,8 @@ export interface EllipsoidFacts extends HitFacts {
   semiAxes: [number, number, number];
 }
 
+type PickWorld = (target: { world: World; instance: number; part: 'ellipsoid' | 'ground' | 'surface' }) => number;
+
 interface ModelData {
   ellipsoids: DataView;
   blocks: EllipsoidBlocks | null;
@@ -117,6 +119,9 @@ export class World {
   private readonly ellipsoidLooks: Looks;
   private readonly placed: Placed[] = [];
   private readonly models = new Map<number, ModelData>();
+  /** The frames of each instance; those after the first are copies. */
+  private readonly frames: Group[][] = [];
+  private pick: PickWorld = () => 0;
   private radius = 1;
 
   private constructor(
@@ -141,7 +146,7 @@ export class World {
     file: ServedFile,
     display: Display,
     origin: Vector3,
-    pick: (target: { world: World; instance: number; part: 'ellipsoid' | 'ground' | 'surface' }) => number,
+    pick: PickWorld,
     tell: (done: number) => void,
   ): Promise<World> {
     const facts = await json<WorldFacts>(`world?file=${file.id}`);
@@ -151,7 +156,8 @@ export class World {
       world.models.set(model, await world.load(model));
       tell((k + 1) / used.length);
     }
-    facts.instances.forEach((_, k) => world.place(k, pick));
+    world.pick = pick;
+    facts.instances.forEach((_, k) => world.place(k));
     return world;
   }
 
@@ -171,10 +177,9 @@ export class World {
     return { ellipsoids: view, blocks: ellipsoidBlocks(view), meshes };
   }
 
-  private place(
-    k: number,
-    pick: (target: { world: World; instance: number; part: 'ellipsoid' | 'ground' | 'surface' }) => number,
-  ): void {
+  /** Draws an instance, once more if it is drawn already. */
+  private place(k: number): Group {
+    const { pick } = this;
     const instance = this.facts.instances[k]!;
     const model = this.models.get(instance.model)!;
     const frame = new Group();
@@ -183,6 +188,7 @@ export class World {
     frame.quaternion.copy(new Quaternion(x, y, z, w));
     frame.scale.setScalar(instance.scale);
     this.group.add(frame);
+    (this.frames[k] ??= []).push(frame);
     if (model.blocks) {
       const number = pick({ world: this, instance: k, part: 'ellipsoid' });
       for (const block of model.blocks.blocks) {
@@ -204,6 +210,28 @@ export class World {
     for (const box of [model.blocks?.core, ...model.meshes.map((m) => m.geometry.userData.core as Box3)]) {
       if (box) this.bounds.union(box.clone().applyMatrix4(frame.matrixWorld));
     }
+    return frame;
+  }
+
+  /** Whether something in it moves. */
+  get moves(): boolean {
+    return this.facts.instances.some((instance) => instance.moves);
+  }
+
+  /** Shows the moving instances at these poses, each as often as it is named, and no others of them. */
+  moveTo(poses: { instance: number; at: Vector3; turn: Quaternion }[]): void {
+    const used = new Map<number, number>();
+    for (const { instance, at, turn } of poses) {
+      const n = used.get(instance) ?? 0;
+      used.set(instance, n + 1);
+      const frame = this.frames[instance]![n] ?? this.place(instance);
+      frame.position.copy(at);
+      frame.quaternion.copy(turn);
+    }
+    this.facts.instances.forEach(({ moves }, k) => {
+      if (moves) this.frames[k]!.forEach((frame, n) => (frame.visible = n < (used.get(k) ?? 0)));
+    });
+    this.group.updateMatrixWorld(true);
   }
 
   /** Chooses which ellipsoids are cast, at most `most` of them, and which are drawn as points. */
@@ -272,7 +300,7 @@ export class World {
   centreOf(instance: number, index: number): Vector3 {
     const view = this.models.get(this.facts.instances[instance]!.model)!.ellipsoids;
     const f = (k: number) => view.getFloat32(index * ELLIPSOID_BYTES + 4 * k, true);
-    return new Vector3(f(0), f(1), f(2)).applyMatrix4(this.group.children[instance]!.matrixWorld);
+    return new Vector3(f(0), f(1), f(2)).applyMatrix4(this.frames[instance]![0]!.matrixWorld);
   }
 
   dispose(): void {

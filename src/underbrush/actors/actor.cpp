@@ -24,7 +24,8 @@ std::vector<Actor> read_scene_of_actors(const fs::path& folder) {
     }
     const uint32_t model = scene.instances[i].model;
     out.push_back({info.names[model], elements::class_name(info, info.labels[i]),
-                   scene.models[model], mover->world_from_object, mover->from_s, mover->to_s});
+                   scene.models[model], mover->world_from_object, mover->from_s, mover->to_s,
+                   uint32_t(i)});
   }
   return out;
 }
@@ -96,6 +97,7 @@ perception::LogTruth truth_of(const std::vector<Actor>& actors, const LogInfo& l
   require_data(!log.scans.empty(), "the log does not say when its scans were made");
   const std::vector<std::string> names = names_of(actors);
   std::vector<Vec3> size_m;
+  size_m.reserve(actors.size());
   for (const Actor& a : actors) size_m.push_back(size_of(a.model));
   std::vector<perception::ObjectList> lists;
   for (const ScanInfo& scan : log.scans) {

@@ -21,6 +21,7 @@ struct Actor {
   Trajectory world_from_actor;
   double from_s = -std::numeric_limits<double>::infinity();  ///< s; beams before do not meet it,
   double to_s = std::numeric_limits<double>::infinity();     ///< nor from this time on.
+  uint32_t instance = 0;  ///< Which instance of its scene it is, or is a copy of.
 };
 
 /// Reads a model's folder, or a mesh from an OBJ or PLY file, as a thing that moves. Throws

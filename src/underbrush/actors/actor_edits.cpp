@@ -1,6 +1,8 @@
 #include "underbrush/actors/actor_edits.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -48,6 +50,16 @@ void delay(const io::JsonValue& edit, std::vector<Actor>& actors, const std::str
   delay_actor(actors, name, edit.at("by_s").number());
 }
 
+void shift(const io::JsonValue& edit, std::vector<Actor>& actors, const std::string& name) {
+  constexpr double kAll = std::numeric_limits<double>::infinity();
+  const auto within = edit.find("within_s");
+  if (edit.find("at_s").has_value() != within.has_value())
+    edit.fail("at_s and within_s need each other");
+  if (within && !(within->number() > 0)) within->fail("must be above 0");
+  shift_actor(actors, name, edit.at("translation_m").vector(), number_or(edit, "at_s", 0),
+              number_or(edit, "within_s", kAll));
+}
+
 void copy(const io::JsonValue& edit, std::vector<Actor>& actors, const std::string& name) {
   copy_actor(actors, name, edit.at("as").text());
 }
@@ -71,11 +83,9 @@ struct Kind {
   void (*apply)(const io::JsonValue&, std::vector<Actor>&, const std::string&);
 };
 const Kind kKinds[] = {
-    {"remove", {}, remove},
-    {"move", {"translation_m", "yaw_rad"}, move},
-    {"delay", {"by_s"}, delay},
-    {"copy", {"as"}, copy},
-    {"trajectory", {"trajectory"}, redirect},
+    {"remove", {}, remove},        {"move", {"translation_m", "yaw_rad"}, move},
+    {"delay", {"by_s"}, delay},    {"shift", {"translation_m", "at_s", "within_s"}, shift},
+    {"copy", {"as"}, copy},        {"trajectory", {"trajectory"}, redirect},
     {"model", {"model"}, replace},
 };
 
@@ -83,7 +93,7 @@ void apply(const io::JsonValue& edit, std::vector<Actor>& actors) {
   const std::string name = edit.at("edit").text();
   const auto* kind = std::ranges::find(kKinds, name, &Kind::name);
   if (kind == std::end(kKinds)) {
-    edit.at("edit").fail("must be remove, move, delay, copy, trajectory or model");
+    edit.at("edit").fail("must be remove, move, shift, delay, copy, trajectory or model");
   }
   for (const std::string& member : edit.member_names()) {
     const bool is_common = member == "edit" || member == "actor" || member == "comment";
@@ -112,6 +122,16 @@ void move_actor(std::vector<Actor>& actors, const std::string& name, const Pose&
   change(actors, name, [&](Actor& a) {
     a.world_from_actor = changed(a.world_from_actor, [&](StampedPose& p) {
       p.world_from_sensor = p.world_from_sensor * actor_from_moved;
+    });
+  });
+}
+
+void shift_actor(std::vector<Actor>& actors, const std::string& name, const Vec3& by, double at_s,
+                 double within_s) {
+  change(actors, name, [&](Actor& a) {
+    a.world_from_actor = changed(a.world_from_actor, [&](StampedPose& p) {
+      const double off = std::isinf(within_s) ? 0 : std::abs(p.time_s - at_s) / within_s;
+      if (off < 1) p.world_from_sensor.translation += (1 + std::cos(M_PI * off)) / 2 * by;
     });
   });
 }
@@ -157,6 +177,11 @@ void replace_model(std::vector<Actor>& actors, const std::string& name, elements
   bool is_first = true;
   std::erase_if(actors,
                 [&](const Actor& a) { return a.name == name && !std::exchange(is_first, false); });
+}
+
+void apply_edits(std::vector<Actor>& actors, const std::string& edits, const fs::path& place) {
+  const io::JsonFile json(place, edits);
+  for (const io::JsonValue& edit : json.root().values()) apply(edit, actors);
 }
 
 std::vector<Actor> read_edited_actors(const fs::path& file) {

@@ -17,6 +17,11 @@ void remove_actor(std::vector<Actor>& actors, const std::string& name);
 void move_actor(std::vector<Actor>& actors, const std::string& name, const Pose& actor_from_moved);
 /// Lets everything that the actors of a name do happen `by_s` (s) later, or earlier if negative.
 void delay_actor(std::vector<Actor>& actors, const std::string& name, double by_s);
+/// Shifts the trajectories of the actors of a name by `by` (m, world frame); headings stay.
+/// `within_s` before and after the time `at_s` (s) the shift fades to nothing as (1 + cos) / 2; for
+/// an infinite `within_s` it is the same everywhere.
+void shift_actor(std::vector<Actor>& actors, const std::string& name, const Vec3& by, double at_s,
+                 double within_s);
 /// Adds a copy with another name, which no actor may have.
 void copy_actor(std::vector<Actor>& actors, const std::string& name, const std::string& as);
 /// Gives the actors of a name another trajectory. A thing of several actors keeps their times;
@@ -27,6 +32,10 @@ void redirect_actor(std::vector<Actor>& actors, const std::string& name,
 /// of several actors becomes one, from the first to the last of their times.
 void replace_model(std::vector<Actor>& actors, const std::string& name, elements::Model model);
 
+/// Applies a list of edits in its order: JSON like the member `edits` of a file of edits. Errors
+/// name it `place`, from where paths are seen. Throws `FormatError`.
+void apply_edits(std::vector<Actor>& actors, const std::string& edits,
+                 const std::filesystem::path& place);
 /// Reads a list of edits: JSON after the schema share/schemas/actor-edits.json, with the folder of
 /// the actors and the edits, which are applied in their order. Throws `FormatError` with the place
 /// of an edit that cannot be applied.

@@ -197,9 +197,10 @@ struct JsonFile::Content {
   Json json;
 };
 
-JsonFile::JsonFile(const fs::path& path)
-    : path_(path),
-      content_(std::make_unique<Content>(Content{parsed(path, read_file(path, kMostJson))})) {}
+JsonFile::JsonFile(const fs::path& path) : JsonFile(path, read_file(path, kMostJson)) {}
+
+JsonFile::JsonFile(const fs::path& path, const std::string& text)
+    : path_(path), content_(std::make_unique<Content>(Content{parsed(path, text)})) {}
 
 JsonFile::~JsonFile() = default;
 

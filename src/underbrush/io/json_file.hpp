@@ -65,6 +65,8 @@ class JsonFile {
  public:
   /// Reads `path`. Throws `FormatError` if it cannot be read or is not JSON (then with the line).
   explicit JsonFile(const std::filesystem::path& path);
+  /// Takes `text` as the content of a file of this path. Throws likewise.
+  JsonFile(const std::filesystem::path& path, const std::string& text);
   ~JsonFile();
   JsonFile(const JsonFile&) = delete;
   JsonFile& operator=(const JsonFile&) = delete;

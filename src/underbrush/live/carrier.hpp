@@ -6,7 +6,7 @@
 namespace underbrush::live {
 
 /// Changes with the types that the program and the library share.
-inline constexpr int kCarrierVersion = 1;
+inline constexpr int kCarrierVersion = 2;
 
 /// Does what `serve` does. Returns "", or what is wrong.
 using Carrier = std::string (*)(int version, Service& service, const ServerOptions& options,

@@ -9,6 +9,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/driver_layout.hpp"
 #include "underbrush/live/live_sensors.hpp"
+#include "underbrush/live/other_worlds.hpp"
 
 namespace underbrush::live {
 namespace {
@@ -40,7 +41,9 @@ Column piece(const std::string& name, const std::vector<T>& values, size_t begin
   }
   static_assert(std::is_arithmetic_v<T> || sizeof(T) % 12 == 0, "three values without gaps");
   out.bytes.resize((end - begin) * sizeof(T));
-  if (end > begin) std::memcpy(out.bytes.data(), &values[begin], out.bytes.size());
+  if (end > begin) {
+    std::memcpy(out.bytes.data(), static_cast<const void*>(&values[begin]), out.bytes.size());
+  }
   return out;
 }
 
@@ -110,22 +113,24 @@ std::vector<BeamLog> by_sensor(BeamLog beams, size_t sensors) {
 
 class SensorService : public Service {
  public:
-  SensorService(LiveSensors& sensors, const ServiceLimits& limits)
-      : sensors_(sensors), limits_(limits) {}
+  SensorService(LiveSensors& sensors, const ServiceLimits& limits, OtherWorlds* others)
+      : own_(std::shared_ptr<LiveSensors>(), &sensors), limits_(limits), others_(others) {}
 
-  Description describe() const override {
+  Description describe(const std::string& world) override {
     Description out;
-    for (size_t k = 0; k < sensors_.sensors().size(); ++k) {
-      const sensor::Sensor& s = sensors_.sensors()[k];
-      const perception::MountedSensor& m = sensors_.rig().sensors[k];
+    const std::shared_ptr<LiveSensors> sensors = sensors_in(world);
+    for (size_t k = 0; k < sensors->sensors().size(); ++k) {
+      const sensor::Sensor& s = sensors->sensors()[k];
+      const perception::MountedSensor& m = sensors->rig().sensors[k];
       out.sensors.push_back({m.name, s.name, s.rate_hz, s.beams_per_s() / s.rate_hz, s.max_range_m,
                              m.vehicle_from_sensor});
     }
-    for (const pipeline::NamedMover& m : sensors_.world().movers()) {
+    for (const pipeline::NamedMover& m : sensors->world().movers()) {
       if (std::ranges::find(out.actors, m.name) == out.actors.end()) out.actors.push_back(m.name);
     }
     out.layouts = {"velodyne", "ouster", "autoware"};
     out.max_beams = limits_.beams;
+    if (others_) out.worlds = others_->names();
     return out;
   }
 
@@ -133,7 +138,8 @@ class SensorService : public Service {
     const Firing& f = request.firing;
     require(f.until_s - f.start_s <= limits_.duration_s,
             "fire: more than an hour from the start of the sensors to the end");
-    require(sensors_.beams_in(f) <= double(limits_.beams),
+    const std::shared_ptr<LiveSensors> sensors = sensors_in(request.world);
+    require(sensors->beams_in(f) <= double(limits_.beams),
             "fire: more beams than a firing may have");
     if (!request.layout.empty()) io::driver_layout_from_name(request.layout);
     require(
@@ -143,10 +149,10 @@ class SensorService : public Service {
     {
       std::unique_lock<std::timed_mutex> lock(firing_, std::defer_lock);
       if (!lock.try_lock_until(call.deadline) || call.is_cancelled()) return false;
-      beams = sensors_.fire(f);
+      beams = sensors->fire(f);
     }
     return request.layout.empty() ? send_columns(request, beams, call)
-                                  : send_clouds(request, std::move(beams), call);
+                                  : send_clouds(request, *sensors, std::move(beams), call);
   }
 
  private:
@@ -164,12 +170,13 @@ class SensorService : public Service {
     return true;
   }
 
-  bool send_clouds(const FireRequest& request, BeamLog beams, const Call& call) const {
+  static bool send_clouds(const FireRequest& request, const LiveSensors& sensors, BeamLog beams,
+                          const Call& call) {
     const Firing& f = request.firing;
     const Trajectory path = trajectory_of(f.vehicle, f.until_s);
-    std::vector<BeamLog> of_sensor = by_sensor(std::move(beams), sensors_.sensors().size());
-    for (size_t k = 0; k < sensors_.sensors().size(); ++k) {
-      const perception::MountedSensor& mounted = sensors_.rig().sensors[k];
+    std::vector<BeamLog> of_sensor = by_sensor(std::move(beams), sensors.sensors().size());
+    for (size_t k = 0; k < sensors.sensors().size(); ++k) {
+      const perception::MountedSensor& mounted = sensors.rig().sensors[k];
       std::vector<StampedPose> poses = path.poses();
       for (StampedPose& p : poses) {
         p.world_from_sensor = p.world_from_sensor * mounted.vehicle_from_sensor;
@@ -185,15 +192,27 @@ class SensorService : public Service {
     return true;
   }
 
-  LiveSensors& sensors_;
+  std::shared_ptr<LiveSensors> sensors_in(const std::string& world) {
+    if (world.empty()) return own_;
+    require(others_ != nullptr, "the server has no folder of worlds");
+    try {
+      return others_->sensors(world);
+    } catch (const FormatError& e) {  // What carries the service knows no types of the library.
+      throw std::invalid_argument(e.what());
+    }
+  }
+
+  std::shared_ptr<LiveSensors> own_;  ///< Does not own them.
   ServiceLimits limits_;
+  OtherWorlds* others_;
   std::timed_mutex firing_;
 };
 
 }  // namespace
 
-std::unique_ptr<Service> service_of(LiveSensors& sensors, const ServiceLimits& limits) {
-  return std::make_unique<SensorService>(sensors, limits);
+std::unique_ptr<Service> service_of(LiveSensors& sensors, const ServiceLimits& limits,
+                                    OtherWorlds* others) {
+  return std::make_unique<SensorService>(sensors, limits, others);
 }
 
 }  // namespace underbrush::live

@@ -12,6 +12,7 @@
 namespace underbrush::live {
 
 class LiveSensors;
+class OtherWorlds;
 
 /// A sensor as clients see it.
 struct SensorFacts {
@@ -25,6 +26,7 @@ struct Description {
   std::vector<SensorFacts> sensors;
   std::vector<std::string> actors;
   std::vector<std::string> layouts;  ///< The layouts of point clouds.
+  std::vector<std::string> worlds;   ///< What requests may name besides the server's own world.
   uint64_t max_beams = 0;            ///< The most beams of a firing.
 };
 
@@ -33,6 +35,7 @@ struct FireRequest {
   Firing firing;
   std::vector<std::string> columns;  ///< An empty list means the usual ones.
   std::string layout;  ///< Asks for a cloud of each sensor in place of columns; "" = no clouds.
+  std::string world;   ///< "" = the one that the server was started with.
 };
 
 /// The call of a client.
@@ -49,7 +52,9 @@ struct Call {
 class Service {
  public:
   virtual ~Service() = default;
-  virtual Description describe() const = 0;
+  /// Describes a world ("" = the server's own), and opens it if need be. Throws
+  /// `std::invalid_argument` for one that there is not or that cannot be read.
+  virtual Description describe(const std::string& world) = 0;
   /// Fires and sends the answer. Returns false if it was cancelled or the deadline passed before
   /// all was sent. Throws `std::invalid_argument` for a request that cannot be answered.
   virtual bool fire(const FireRequest& request, const Call& call) = 0;
@@ -62,7 +67,9 @@ struct ServiceLimits {
   size_t rows = 1 << 16;               ///< The most rows of a part.
 };
 
-/// Makes the service of sensors, which must outlive it.
-std::unique_ptr<Service> service_of(LiveSensors& sensors, const ServiceLimits& limits = {});
+/// Makes the service of sensors, which must outlive it, as must the `others` that requests may
+/// name.
+std::unique_ptr<Service> service_of(LiveSensors& sensors, const ServiceLimits& limits = {},
+                                    OtherWorlds* others = nullptr);
 
 }  // namespace underbrush::live

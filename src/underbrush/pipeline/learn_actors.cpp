@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/io/json_text.inl"
 #include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/pipeline/reports_json.inl"
 
@@ -42,6 +43,12 @@ nlohmann::ordered_json json_of(const actors::LearntActors& learnt) {
                            {"apart_m", r.views.after_m}});
   }
   return j;
+}
+
+std::string with_report(const std::string& provenance, const actors::LearntActors& learnt) {
+  nlohmann::ordered_json j = io::json_of_text(provenance);
+  j.update(json_of(learnt));
+  return io::text_of_json(j, -1);
 }
 
 }  // namespace underbrush::pipeline

@@ -16,4 +16,7 @@ actors::LearntActors learn_actors(BeamSource& log, const std::string& file,
                                   const actors::ActorOptions& options, uint64_t seed,
                                   const std::function<void(size_t, size_t)>& progress = {});
 
+/// A provenance (a JSON object) with the member `actors`: what was learnt of each track.
+std::string with_report(const std::string& provenance, const actors::LearntActors& learnt);
+
 }  // namespace underbrush::pipeline

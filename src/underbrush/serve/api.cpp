@@ -10,6 +10,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
 #include "underbrush/sensor/catalogue.hpp"
+#include "underbrush/serve/actor_api.hpp"
 #include "underbrush/serve/beam_echoes.hpp"
 #include "underbrush/serve/beam_trace.hpp"
 #include "underbrush/serve/job_api.hpp"
@@ -185,6 +186,19 @@ struct Api::Impl {
   HttpReply world(const HttpRequest& request) {
     return {200, "application/json", world_of(request).json()};
   }
+  HttpReply actors(const HttpRequest& request) {
+    return {200, "application/json", actors_json(world_of(request), Query(request).text("edits"))};
+  }
+  HttpReply write_actors(const HttpRequest& request) {
+    const Query query(request);
+    const std::string name = query.file_name("name");
+    const std::filesystem::path path = options.labels / name;
+    require(path.extension() == ".json", "the name of a list of edits ends with .json");
+    require(!std::filesystem::exists(std::filesystem::symlink_status(path)),
+            "a file of this name is there already");
+    write_edits(path, file_at(query.number("file")), world_of(request), query.text("edits"));
+    return reply_of({{"path", printable(path.string())}});
+  }
   HttpReply ellipsoids(const HttpRequest& request) {
     return {200, kBytes, world_of(request).ellipsoids(Query(request).number("model"))};
   }
@@ -244,6 +258,7 @@ HttpReply Api::answer(const HttpRequest& request) {
       {"api/range_image", &Impl::image},
       {"api/trajectory", &Impl::trajectory},
       {"api/world", &Impl::world},
+      {"api/actors", &Impl::actors},
       {"api/ellipsoids", &Impl::ellipsoids},
       {"api/ground", &Impl::ground},
       {"api/surface", &Impl::surface},
@@ -262,6 +277,11 @@ HttpReply Api::answer(const HttpRequest& request) {
   if (begins("api/jobs")) {
     if (impl_->jobs) return impl_->jobs->answer(request);
     return error_reply(403, kNoLabels);
+  }
+  if (request.path == "api/actors/write") {
+    if (!impl_->labels) return error_reply(403, kNoLabels);
+    if (request.method != "POST") return error_reply(405, "only POST writes edits");
+    return impl_->write_actors(request);
   }
   if (request.method == "POST") return error_reply(405, "only GET is answered");
   const auto found = kAnswers.find(request.path);

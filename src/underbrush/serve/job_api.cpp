@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <span>
 
+#include "underbrush/actors/learn_actors.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/fit/parameters.hpp"
 #include "underbrush/pipeline/annotate_site.hpp"
@@ -18,10 +19,10 @@ namespace underbrush::serve {
 namespace {
 
 // Which kinds of files a place of the command line takes.
-enum class Takes { kLog, kModel, kWorld, kPrimitives, kAnnotation };
+enum class Takes { kLog, kModel, kWorld, kPrimitives, kWritten };
 
-// A word of a command: a file that the request names by its number (or, for an annotation, by its
-// name in the folder), after the option's name if it has one.
+// A word of a command: a file that the request names by its number (or, for one that the page
+// wrote, by its name in the folder), after the option's name if it has one.
 struct Input {
   const char* key;
   const char* option;
@@ -89,13 +90,19 @@ const std::vector<Verb>& verbs() {
        settings_of(pipeline::annotate_options(), "Generated site"),
        ".json"},
       {"compose",
-       {{"annotation", "", Takes::kAnnotation, true},
+       {{"annotation", "", Takes::kWritten, true},
         {"primitives", "", Takes::kPrimitives, true},
         {"ground", "--ground", Takes::kModel, false}},
        with_seed(settings_of(pipeline::compose_options())),
        ""},
+      {"actors",
+       {{"log", "", Takes::kLog, true}, {"boxes", "--boxes", Takes::kWritten, false}},
+       settings_of(actors::actor_options()),
+       ""},
       {"simulate",
-       {{"world", "", Takes::kWorld, true}, {"like", "--like", Takes::kLog, true}},
+       {{"world", "", Takes::kWorld, true},
+        {"like", "--like", Takes::kLog, true},
+        {"actors", "--actors", Takes::kWritten, false}},
        with_seed(settings_of(pipeline::simulate_options())),
        ".ply"},
       {"score",
@@ -118,7 +125,7 @@ bool fits(FileKind kind, Takes takes) {
       return kind == FileKind::kModel || kind == FileKind::kScene;
     case Takes::kPrimitives:
       return kind == FileKind::kPrimitives;
-    case Takes::kAnnotation:
+    case Takes::kWritten:
       break;
   }
   return false;
@@ -218,10 +225,10 @@ std::vector<std::string> JobApi::command_of(const Query& query,
   for (const Input& input : verb->inputs) {
     if (!query.has(input.key) && !input.needed) continue;
     std::filesystem::path path;
-    if (input.takes == Takes::kAnnotation) {
+    if (input.takes == Takes::kWritten) {
       path = folder_ / query.file_name(input.key);
       require(std::filesystem::is_regular_file(std::filesystem::symlink_status(path)),
-              "no such annotation");
+              "no such file in the folder");
     } else {
       const OpenedFile file = files_.file(query.number(input.key));
       if (!fits(file.kind, input.takes)) {

@@ -207,8 +207,11 @@ HttpReply LabelApi::write(const Query& query) {
     const OpenedFile ground = query.has("ground") ? files_.file(query.number("ground")) : of.file();
     require(ground.kind == FileKind::kModel, "an annotation needs a model for its ground");
     j["boxes"] = of.write_boxes(path, ground.path);
+  } else if (format == "tracks") {
+    require(path.extension() == ".csv", "the name of lists of objects ends with .csv");
+    j["boxes"] = of.write_tracks(path);
   } else {
-    throw std::invalid_argument("format is log, label or annotation");
+    throw std::invalid_argument("format is log, label, annotation or tracks");
   }
   return reply_of(j);
 }

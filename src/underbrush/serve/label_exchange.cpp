@@ -7,6 +7,8 @@
 #include "underbrush/elements/label_sets.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/log_file.hpp"
+#include "underbrush/perception/object_list_file.hpp"
+#include "underbrush/perception/truth.hpp"
 #include "underbrush/primitives/annotation.hpp"
 #include "underbrush/primitives/given_labels.hpp"
 #include "underbrush/serve/label_sets.hpp"
@@ -26,6 +28,39 @@ void for_each_row(const std::filesystem::path& path, size_t rows, const Visit& v
     require_data(chunk.size() <= rows - row, "the log has changed since it was opened");
     for (size_t i = 0; i < chunk.size(); ++i) visit(row++, chunk, i);
   }
+}
+
+Vec3 vector_of(const nlohmann::json& list) {
+  return {list[0].get<double>(), list[1].get<double>(), list[2].get<double>()};
+}
+
+// The mean of times, s.
+struct Times {
+  double sum = 0;
+  uint64_t count = 0;
+
+  void add(double time_s) {
+    sum += time_s;
+    ++count;
+  }
+  double mean() const { return sum / double(count); }
+};
+
+// A box of a track, and the times of its returns.
+struct TrackBox {
+  uint64_t track;
+  perception::ObjectClass label;
+  perception::OrientedBox box;
+  Times times = {};
+};
+
+TrackBox track_box_of(const nlohmann::json& j) {
+  const Vec3 low = vector_of(j["min_m"]), high = vector_of(j["max_m"]);
+  const double yaw = j["yaw_rad"].get<double>();
+  const perception::OrientedBox foot{vector_of(j["position_m"]), yaw, {}};
+  return {j["track"].get<uint64_t>(),
+          perception::class_of_name(j["class"].get<std::string>()).value(),
+          {foot.from_box((low + high) / 2), yaw, high - low}};
 }
 
 }  // namespace
@@ -167,6 +202,55 @@ uint64_t LabelsOfFile::write_label_file(const std::filesystem::path& path, const
   return without;
 }
 
+size_t LabelsOfFile::write_tracks(const std::filesystem::path& path) {
+  const std::lock_guard lock(mutex_);
+  std::map<uint32_t, std::vector<TrackBox>> boxes;
+  for (const auto& [number, text] : document().boxes()) {
+    const auto j = nlohmann::json::parse(text);
+    if (j.contains("track")) boxes[j["scan"].get<uint32_t>()].push_back(track_box_of(j));
+  }
+  require(octree_ != nullptr, "this file has no points");
+  require(!boxes.empty(), "no box is of a track");
+  std::map<uint32_t, Times> scans;
+  std::vector<TrackBox>* here = nullptr;
+  Times* scan = nullptr;
+  std::optional<uint32_t> last;
+  for_each_row(file_.path, document_->values().size(), [&](uint32_t, const BeamLog& log, size_t i) {
+    if (last != log.scan[i]) {
+      last = log.scan[i];
+      const auto found = boxes.find(*last);
+      here = found == boxes.end() ? nullptr : &found->second;
+      if (here) scan = &scans[*last];
+    }
+    if (!here) return;
+    scan->add(log.time_s[i]);
+    if (!log.is_hit(i)) return;
+    const Vec3 end = log.end_point(i);
+    for (TrackBox& b : *here) {
+      const Vec3 inside = b.box.to_box(end).cwiseAbs() - b.box.size_m / 2;
+      if (inside.maxCoeff() <= 0) b.times.add(log.time_s[i]);
+    }
+  });
+  std::map<double, perception::TruthFrame> frames;
+  size_t count = 0;
+  for (const auto& [number, of_scan] : boxes) {
+    require(scans.contains(number), "a box is of a scan that the log does not have");
+    for (const TrackBox& b : of_scan) {
+      const double time_s = (b.times.count > 0 ? b.times : scans[number]).mean();
+      frames[time_s].time_s = time_s;
+      frames[time_s].objects.push_back({b.track, b.label, b.box});
+      ++count;
+    }
+  }
+  std::vector<perception::ObjectList> lists;
+  lists.reserve(frames.size());
+  for (const auto& [time_s, frame] : frames) {
+    lists.push_back(perception::list_of_truth(frame, Pose()));
+  }
+  perception::write_object_lists(path, lists, "{}");
+  return count;
+}
+
 size_t LabelsOfFile::write_boxes(const std::filesystem::path& path,
                                  const std::filesystem::path& ground) {
   const std::lock_guard lock(mutex_);
@@ -175,14 +259,12 @@ size_t LabelsOfFile::write_boxes(const std::filesystem::path& path,
   annotation.provenance = nlohmann::json{{"program", "underbrush serve"}}.dump();
   for (const auto& [number, text] : document().boxes()) {
     const auto j = nlohmann::json::parse(text);
-    const auto vector = [&](const char* key) {
-      return Vec3(j[key][0].get<double>(), j[key][1].get<double>(), j[key][2].get<double>());
-    };
+    if (j.contains("track")) continue;
     primitives::PlacedObject object;
     object.label = elements::class_from_name(j["class"].get<std::string>()).value();
-    object.position = vector("position_m");
+    object.position = vector_of(j["position_m"]);
     object.yaw_rad = j["yaw_rad"].get<double>();
-    object.box = {vector("min_m"), vector("max_m")};
+    object.box = {vector_of(j["min_m"]), vector_of(j["max_m"])};
     object.instance = number;
     annotation.objects.push_back(object);
   }

@@ -8,6 +8,7 @@
 #include "underbrush/core/rng.hpp"
 #include "underbrush/elements/classes.hpp"
 #include "underbrush/elements/label_sets.hpp"
+#include "underbrush/perception/objects.hpp"
 #include "underbrush/primitives/measure.hpp"
 #include "underbrush/serve/json_reply.inl"
 #include "underbrush/serve/label_sets.hpp"
@@ -250,6 +251,7 @@ Vec3 LabelsOfFile::origin() {
 }
 
 void check_box(const std::string& text) {
+  constexpr uint64_t kNoScan = uint64_t(1) << 32;
   const Json j = Json::parse(text, nullptr, false);
   const auto vector = [&](const char* key) {
     Vec3 out;
@@ -261,9 +263,19 @@ void check_box(const std::string& text) {
   };
   try {
     require(j.is_object(), "a box is a JSON object");
-    const auto label = elements::class_from_name(j.at("class").get<std::string>());
-    require(label && elements::kind_of(*label) != elements::ClassKind::kOther,
-            "a box needs the class of an object, such as small_tree");
+    const auto name = j.at("class").get<std::string>();
+    if (j.contains("track")) {
+      require(j["track"].is_number_unsigned() && j.at("scan").is_number_unsigned(),
+              "a box of a track needs the numbers of the track and of a scan");
+      require(j["track"].get<uint64_t>() > 0 && j["scan"].get<uint64_t>() < kNoScan,
+              "no such track or scan");
+      require(perception::class_of_name(name).has_value(),
+              "a box of a track needs the class of what moves, such as car");
+    } else {
+      const auto label = elements::class_from_name(name);
+      require(label && elements::kind_of(*label) != elements::ClassKind::kOther,
+              "a box needs the class of an object, such as small_tree");
+    }
     vector("position_m");
     const Vec3 size = vector("max_m") - vector("min_m");
     require(size.minCoeff() > 0, "a box without size");

@@ -75,7 +75,10 @@ class LabelsOfFile {
   /// Writes labels for each row, as SemanticKITTI does, in the numbers of a set. Returns the number
   /// of labelled rows that have no number there.
   uint64_t write_label_file(const std::filesystem::path& path, const std::string& set);
-  /// Writes the boxes as an annotation. Returns their number.
+  /// Writes the boxes of tracks as lists of objects, each at the mean time of its returns or, where
+  /// it has none, of its scan's beams. Returns their number.
+  size_t write_tracks(const std::filesystem::path& path);
+  /// Writes the boxes that are of no track as an annotation. Returns their number.
   size_t write_boxes(const std::filesystem::path& path, const std::filesystem::path& ground);
 
   const OpenedFile& file() const { return file_; }
@@ -98,7 +101,8 @@ class LabelsOfFile {
 };
 
 /// Checks the text of a box: a JSON object with the class of an object, `position_m`, `yaw_rad`,
-/// and `min_m` and `max_m` in its own frame. Throws `std::invalid_argument`.
+/// and `min_m` and `max_m` in its own frame; for what moves also its `track` and `scan`. Throws
+/// `std::invalid_argument`.
 void check_box(const std::string& text);
 
 }  // namespace underbrush::serve

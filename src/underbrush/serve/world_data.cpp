@@ -47,7 +47,7 @@ WorldData::WorldData(const OpenedFile& file) : kind_(file.kind), folder_(file.pa
     scene_ = std::move(world.scene);
     info_ = std::move(world.info);
     if (!scene_.instances.empty()) {
-      origin_ = scene_.instances[0].world_from_model.translation.array().round();
+      origin_ = first_poses()[0].translation.array().round();
     }
   } else if (kind_ == FileKind::kModel) {
     scene_.models = pipeline::read_world(file.path).scene.models;
@@ -78,6 +78,16 @@ void WorldData::place_primitives(const OpenedFile& file) {
     placed.world_from_model.translation = corners[k] - Vec3(low.x(), low.y(), 0);
     scene_.instances.push_back(placed);
   }
+}
+
+std::vector<Pose> WorldData::first_poses() const {
+  std::vector<Pose> out;
+  out.reserve(scene_.instances.size());
+  for (const elements::Instance& i : scene_.instances) out.push_back(i.world_from_model);
+  for (const elements::Mover& m : info_.movers) {
+    out[m.instance] = m.world_from_object.poses().front().world_from_sensor;
+  }
+  return out;
 }
 
 const pipeline::TracedWorld& WorldData::traced() const {
@@ -115,11 +125,12 @@ std::string WorldData::json() const {
   }
   std::set<uint32_t> moving;
   for (const elements::Mover& m : info_.movers) moving.insert(m.instance);
+  const std::vector<Pose> poses = first_poses();
   j["instances"] = nlohmann::ordered_json::array();
   for (size_t k = 0; k < scene_.instances.size(); ++k) {
     const elements::Instance& i = scene_.instances[k];
-    const Vec3 at = i.world_from_model.translation - origin_;
-    const Eigen::Quaterniond& q = i.world_from_model.rotation;
+    const Vec3 at = poses[k].translation - origin_;
+    const Eigen::Quaterniond& q = poses[k].rotation;
     const auto label = k < info_.labels.size() ? info_.labels[k] : elements::Class::kUnknown;
     j["instances"].push_back({{"model", i.model},
                               {"class", elements::class_name(info_, label)},

@@ -28,8 +28,8 @@ class WorldData {
   /// instances are numbered as those of `scene()`.
   const pipeline::TracedWorld& traced() const;
 
-  /// Describes models and instances as JSON: places are relative to `origin_m`. Primitives have
-  /// `box_m`, in their own frame.
+  /// Describes models and instances as JSON: places are relative to `origin_m`, and what moves is
+  /// where it begins. Primitives have `box_m`, in their own frame.
   std::string json() const;
   /// Returns the thumbnail (PNG) of a primitive. Throws `std::invalid_argument` for another world
   /// or a primitive that does not exist, and `FormatError` where it has none.
@@ -45,6 +45,8 @@ class WorldData {
 
  private:
   void place_primitives(const OpenedFile& file);
+  std::vector<Pose> first_poses()
+      const;  ///< The poses of instances; what moves is where it begins.
   const elements::Model& model(size_t number) const;
 
   FileKind kind_;

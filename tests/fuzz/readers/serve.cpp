@@ -178,6 +178,10 @@ constexpr const char* kRequests[] = {
     "GET api/range_image?file=0&run=0&world=1&seed=1",
     "GET api/trajectory?file=0",
     "GET api/world?file=1",
+    "GET "
+    "api/actors?file=1&edits=[{\"edit\":\"shift\",\"actor\":\"car-1\",\"translation_m\":[1,2,0],"
+    "\"at_s\":1,\"within_s\":2}]",
+    "POST api/actors/write?file=1&name=edits.json&edits=[]",
     "GET api/ellipsoids?file=1&model=0",
     "GET api/ground?file=1&model=0",
     "GET api/labels?file=0&since=0",

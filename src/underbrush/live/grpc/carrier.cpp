@@ -51,6 +51,7 @@ FireRequest of(const v1::FireRequest& r) {
   }
   out.columns.assign(r.columns().begin(), r.columns().end());
   out.layout = r.layout();
+  out.world = r.world();
   return out;
 }
 
@@ -106,13 +107,33 @@ class Server final : public v1::SensorServer::Service {
   Server(live::Service& service, const ServerOptions& options)
       : service_(service), options_(options) {}
 
-  Status Describe(grpc::ServerContext* context, const v1::DescribeRequest* /*request*/,
+  Status Describe(grpc::ServerContext* context, const v1::DescribeRequest* request,
                   v1::Description* reply) override {
-    if (!may_call(*context)) return refused();
-    const Description d = service_.describe();
-    reply->set_version(options_.version);
+    return answered(*context, [&] {
+      fill(service_.describe(request->world()), *reply);
+      return true;
+    });
+  }
+
+  Status Fire(grpc::ServerContext* context, const v1::FireRequest* request,
+              grpc::ServerWriter<v1::Part>* writer) override {
+    const auto latest =
+        std::chrono::system_clock::now() + std::chrono::duration<double>(options_.deadline_s + 1);
+    return answered(*context, [&] {
+      if (context->deadline() > latest) {
+        throw std::invalid_argument("a call needs a deadline of at most a minute");
+      }
+      return service_.fire(of(*request),
+                           {context->deadline(), [&] { return context->IsCancelled(); },
+                            [&](Part part) { return writer->Write(of(std::move(part))); }});
+    });
+  }
+
+ private:
+  void fill(const Description& d, v1::Description& reply) const {
+    reply.set_version(options_.version);
     for (const SensorFacts& s : d.sensors) {
-      v1::Sensor& sensor = *reply->add_sensors();
+      v1::Sensor& sensor = *reply.add_sensors();
       sensor.set_name(s.name);
       sensor.set_model(s.model);
       sensor.set_rate_hz(s.rate_hz);
@@ -120,29 +141,22 @@ class Server final : public v1::SensorServer::Service {
       sensor.set_max_range_m(s.max_range_m);
       put(s.vehicle_from_sensor, *sensor.mutable_vehicle_from_sensor());
     }
-    reply->mutable_actors()->Assign(d.actors.begin(), d.actors.end());
-    reply->mutable_layouts()->Assign(d.layouts.begin(), d.layouts.end());
-    reply->set_max_beams(d.max_beams);
-    return Status::OK;
+    reply.mutable_actors()->Assign(d.actors.begin(), d.actors.end());
+    reply.mutable_layouts()->Assign(d.layouts.begin(), d.layouts.end());
+    reply.set_max_beams(d.max_beams);
+    reply.mutable_worlds()->Assign(d.worlds.begin(), d.worlds.end());
   }
 
-  Status Fire(grpc::ServerContext* context, const v1::FireRequest* request,
-              grpc::ServerWriter<v1::Part>* writer) override {
-    if (!may_call(*context)) return refused();
-    const auto latest =
-        std::chrono::system_clock::now() + std::chrono::duration<double>(options_.deadline_s + 1);
-    if (context->deadline() > latest) {
-      return {StatusCode::INVALID_ARGUMENT, "a call needs a deadline of at most a minute"};
-    }
+  /// The status of what `answer` does, if the call may be answered.
+  template <class Answer>
+  Status answered(const grpc::ServerContext& context, const Answer& answer) {
+    if (!may_call(context)) return refused();
     const Counted call(calls_);
     if (call.number() > options_.calls) {
       return {StatusCode::RESOURCE_EXHAUSTED, "too many calls at a time"};
     }
     try {
-      const bool done = service_.fire(
-          of(*request), {context->deadline(), [&] { return context->IsCancelled(); },
-                         [&](Part part) { return writer->Write(of(std::move(part))); }});
-      return done ? Status::OK : Status(StatusCode::DEADLINE_EXCEEDED, "not answered in time");
+      return answer() ? Status::OK : Status(StatusCode::DEADLINE_EXCEEDED, "not answered in time");
     } catch (const std::invalid_argument& e) {
       return {StatusCode::INVALID_ARGUMENT, e.what()};
     } catch (const std::bad_alloc&) {
@@ -152,7 +166,6 @@ class Server final : public v1::SensorServer::Service {
     }
   }
 
- private:
   bool may_call(const grpc::ServerContext& context) const {
     const auto found = context.client_metadata().find("authorization");
     if (found == context.client_metadata().end()) return false;

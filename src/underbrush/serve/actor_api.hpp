@@ -1,0 +1,23 @@
+/// \file
+/// What moves in a scene, with edits: docs/reference/serve-api.md.
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include "underbrush/serve/opened_files.hpp"
+#include "underbrush/serve/world_data.hpp"
+
+namespace underbrush::serve {
+
+/// Describes what moves in a scene as JSON, after edits (a JSON list, or "" for none): for each
+/// name the class, what was learnt of it, and its parts with their poses relative to the origin.
+/// Throws `FormatError` for edits that cannot be applied, and `std::invalid_argument` for those
+/// that name files.
+std::string actors_json(const WorldData& world, const std::string& edits);
+
+/// Writes edits of the actors of `scene` as a file that `actors::read_actors` reads, if they can be
+/// applied and nothing in the scene stands still. Throws as `actors_json` does, and `IoError`.
+void write_edits(const std::filesystem::path& path, const OpenedFile& scene, const WorldData& world,
+                 const std::string& edits);
+
+}  // namespace underbrush::serve
