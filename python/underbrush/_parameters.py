@@ -103,9 +103,6 @@ class SimulateParameters(TypedDict, total=False):
     #: Trace all sub-rays of every beam; without it, beams of 26 or more are traced with 13 sub-rays where these
     #: agree (default false).
     all_sub_rays: bool
-    #: Whether sub-rays are spread over the whole beam, or only over the excess of its width over that of the fitted
-    #: log's beams, whose footprint is in the model (default excess).
-    footprint: str
     materials: str | os.PathLike[str]  #: A table of materials that replaces the built-in one.
     material: Sequence[str]  #: The material of a class; may be repeated.
     visibility: float  #: Visibility in haze or fog; 0 = clear air (m; default 0).
