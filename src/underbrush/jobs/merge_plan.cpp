@@ -52,6 +52,14 @@ void merge_plan(const fs::path& folder, const Plan& plan) {
     }
     records.push_back(*record);
   }
+  for (size_t k = 0; k < plan.tasks.size(); ++k) {
+    for (size_t e = 0; e < records[k].earlier.size(); ++e) {
+      const EarlierOutput& from = plan.tasks[k].earlier[e];
+      if (records[k].earlier[e] == records[from.task].outputs[from.output].hash) continue;
+      throw FormatError(folder.string(), "task " + std::to_string(k),
+                        "was made from another output of task " + std::to_string(from.task));
+    }
+  }
   for (const Result& result : plan.results) {
     std::vector<fs::path> files;
     for (const size_t task : result.tasks) {

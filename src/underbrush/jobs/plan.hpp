@@ -24,11 +24,19 @@ struct TaskOutput {
   std::string name;    ///< Its file name.
 };
 
+/// What a task takes of a task of an earlier stage.
+struct EarlierOutput {
+  std::string option;  ///< The option of the command that gets the path.
+  size_t task = 0;
+  size_t output = 0;  ///< The number of the output among those of that task.
+};
+
 /// A command that depends on no other task of its stage.
 struct Task {
   size_t stage = 0;  ///< Tasks of a stage run once all of the stages before are done.
   std::vector<std::string> command;  ///< The words after the program's name, without outputs.
   std::vector<std::string> inputs;   ///< Paths, as the command names them.
+  std::vector<EarlierOutput> earlier;
   std::vector<TaskOutput> outputs;
   uint64_t seed = 1;
   double seconds = 0;         ///< s; a rough guess of one core's time.
@@ -52,8 +60,8 @@ struct Plan {
 };
 
 /// Makes the plan of a job: counts the beams of commands that are cut, and hashes all inputs, which
-/// are the words of the command that name a file or folder. Throws `std::invalid_argument` for a
-/// verb whose tasks are not independent, for a command without output, and for two results of one
+/// are the words of the command that name a file or folder. A fit that is cut becomes tasks of its
+/// stages (`run_fit_stage`). Throws `std::invalid_argument` for a verb whose tasks are not independent, for a command without output, and for two results of one
 /// name; throws what the readers of logs throw.
 Plan make_plan(const Job& job, const std::string& program);
 

@@ -22,6 +22,7 @@ struct Record {
   std::string program;
   std::vector<std::string> command;
   std::map<std::string, std::string> inputs;  ///< The hash of each, by path.
+  std::vector<std::string> earlier;           ///< The hashes of what earlier tasks made.
   std::vector<MadeOutput> outputs;            ///< In the order of the task's.
   double seconds = 0;
   uint64_t peak_memory_bytes = 0;
