@@ -62,11 +62,12 @@ void add_options(Verb& verb, Arguments& a) {
           ->capture_default_str());
   add_update_options(verb, a, update, of_fit);
   verb.begin_rare_group("Stages of a fit, as a plan has them");
-  CLI::Option* stage = verb.not_of_result(
-      app.add_option("--stage", a.stage.name, "Run this stage alone, and leave the output for others")
-          ->type_name("begin|sum:FIRST:END|step|end")
-          ->configurable(false)
-          ->excludes(update));
+  CLI::Option* stage =
+      verb.not_of_result(app.add_option("--stage", a.stage.name,
+                                        "Run this stage alone, and leave the output for others")
+                             ->type_name("begin|sum:FIRST:END|step|end")
+                             ->configurable(false)
+                             ->excludes(update));
   verb.not_of_result(app.add_option("--from", a.stage.from, "What the stages before have left")
                          ->type_name("PATH")
                          ->configurable(false)
@@ -85,8 +86,8 @@ void finish(const Verb& verb, const Arguments& a, const Trained& trained,
   pipeline::write_trained(a.output, trained);
   export_model(a, trained.model);
   verb.report(json_of(trained, skipped), text_of(trained, skipped) +
-                                                   text_of_warnings(trained.report.warnings) +
-                                                   "  model       " + a.output + "\n");
+                                             text_of_warnings(trained.report.warnings) +
+                                             "  model       " + a.output + "\n");
 }
 
 void run_fit(const Verb& verb, const Arguments& a) {

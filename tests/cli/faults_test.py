@@ -6,7 +6,6 @@ records that lie. The result is that of one run, or the failure is named; nothin
 """
 import argparse
 import json
-import pathlib
 import random
 import resource
 import shutil
@@ -19,8 +18,8 @@ import cli_test
 import jobs_test
 
 KILLS = 4  # moments at which a worker is killed, of each kind of job
-FIT, COMPOSE, SIMULATE = ("fit seen.ublog --rounds 1 --seed 4 -o {}", "compose site primitives --seed {{seed}} -o {}{{seed}}",
-                          "simulate world1 --sensor velodyne-vlp16 --trajectory poses.txt --memory 10MiB -o {}.ply")
+FIT, COMPOSE, SIMULATE = ("fit seen.ublog --rounds 1 --seed 4 -o {}", "compose site primitives --seed {{seed}} -o {}",
+                          "simulate world --sensor velodyne-vlp16 --trajectory poses.txt --memory 10MiB -o {}.ply")
 
 
 class Faults(jobs_test.JobFolder):
@@ -88,37 +87,44 @@ class Faults(jobs_test.JobFolder):
     def test_kills(self):
         self.make_world()
         self.ok(*jobs_test.SENSED.split(), "--range-noise", 0.02, "-o", "seen.ublog")
-        for command, results, keys in ((SIMULATE, ["joined.ply"], {"pieces": 2}), (FIT, ["joined"], {"pieces": 2}),
-                                       (COMPOSE, ["joined2", "joined3"], {"over": {"seed": [2, 3]}})):
+        for command, over, pieces in ((SIMULATE, {}, 2), (FIT, {}, 2), (COMPOSE.replace("{}", "{}{{seed}}"), {"seed": [2, 3]}, 1)):
             with self.subTest(command):
                 shutil.rmtree(self.folder / "plan", ignore_errors=True)
-                tasks = self.plan(command.format("joined"), **keys)
+                tasks = self.plan(command.format("joined"), over=over, pieces=pieces)
                 begin = time.monotonic()
-                for result in results:
-                    self.ok(*command.format(result).format(seed="").replace("--seed  ", f"--seed {result[-1]} ")
-                            .replace("joined", "whole").split())
-                self.took = (time.monotonic() - begin) / tasks * len(results)
+                for values in [{"seed": seed} for seed in over.get("seed", [0])]:
+                    self.ok(*command.format("whole").format(**values).split())
+                self.took = (time.monotonic() - begin) / tasks
+                results = [result["path"] for result in json.loads(self.bytes_of("plan/plan.json"))["results"]]
                 self.run_with_kills(results)
                 for result in results:
                     self.assert_same(result, result.replace("joined", "whole"))
 
     def test_a_full_disk(self):
-        self.plan(f"{jobs_test.SENSED} -o {{k}}.ply", over={"k": ["a", "b"]}, pieces=2)
-        full = self.folder / "plan" / "outputs"
-        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=100k", "none", str(self.folder / "plan")],
-                                 capture_output=True, check=False)
-        if mounted.returncode:
+        """The plan lies on a disk that is full, and then on one that is large enough; so does the result."""
+        small = self.folder / "small"
+        small.mkdir()
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=12k", "none", small], capture_output=True, check=False).returncode:
             self.skipTest("no tmpfs can be mounted here")
-        self.addCleanup(subprocess.run, ["umount", str(self.folder / "plan")], check=True)
-        full.mkdir()
-        (self.folder / "plan" / "records").mkdir()
-        self.fail("unfinished")
+        self.addCleanup(subprocess.run, ["umount", small], check=True)
+        self.plan(f"{jobs_test.SENSED} -o small/sim.ply", name="small/plan", pieces=2)
+        self.assert_fails(self.call("run", "small/plan", "--task", 0), 4, "small/plan")
+        self.assert_fails(self.call("merge", "small/plan"), 3, "task 0")
+        for size in ("200k", "20m"):
+            subprocess.run(["mount", "-o", f"remount,size={size}", small], check=True)
+            self.run_tasks((0, 1), "small/plan")
+            if size == "200k":
+                self.assert_fails(self.call("merge", "small/plan"), 4, "small")
+                self.assertEqual([path.name for path in small.iterdir()], ["plan"])
+        self.ok("merge", "small/plan")
+        self.ok(*jobs_test.SENSED.split(), "-o", "one.ply")
+        self.assert_same("small/sim.ply", "one.ply")
 
     def test_too_little_memory(self):
         self.plan(f"{jobs_test.SENSED} -o sim.ply", pieces=2)
 
         def limit():
-            resource.setrlimit(resource.RLIMIT_AS, (150 << 20, 150 << 20))
+            resource.setrlimit(resource.RLIMIT_AS, (40 << 20, 40 << 20))
 
         starved = subprocess.run([cli_test.PROGRAM, "run", "plan", "--task", "0", "--threads", "1"], cwd=self.folder,
                                  preexec_fn=limit, capture_output=True, text=True, check=False)

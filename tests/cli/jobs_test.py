@@ -186,6 +186,29 @@ class Jobs(JobFolder):
         self.record(4).write_text(json.dumps(other))
         self.assert_fails(self.call("merge", "plan"), 3, "task 4", "another output of task 1")
 
+    def test_estimates(self):
+        """Memory and bytes are estimated within 30 % from small parts of a job; times are on the page of performance."""
+        (self.folder / "poses.txt").write_text(POSES.replace("0.1 0.5", "0.4 2"))
+        self.ok(*SENSED.split(), "--range-noise", 0.02, "--seed", 3, "-o", "seen.ply")
+        jobs = {f"{SENSED} --range-noise 0.02 --seed {{seed}} -o {{seed}}.ply": {"over": {"seed": [1, 2]}, "pieces": 2},
+                "fit seen.ply -o model": {}, "import seen.ply -o seen.ublog": {}}
+        for k, (command, keys) in enumerate(jobs.items()):
+            with self.subTest(command):
+                (self.folder / "job.yaml").write_text(json.dumps({"command": command, **keys}))
+                told = json.loads(self.ok("plan", "job.yaml", "-o", f"plan{k}", "--estimate", "--json", "-"))
+                self.run_tasks(range(told["tasks"]), f"plan{k}")
+                status = json.loads(self.ok("plan", "--status", f"plan{k}", "--json", "-"))
+                estimate = told["estimate"]
+                self.assertEqual(estimate["guessed_tasks"], 0)
+                self.assertGreater(estimate["processor_s"], 0)
+                self.assertLess(abs(estimate["output_bytes"] / status["output_bytes"] - 1), 0.3)
+                self.assertLess(abs(estimate["memory_bytes"] / status["peak_memory_bytes"] - 1), 0.3)
+                planned = json.loads((self.folder / f"plan{k}/plan.json").read_text())
+                self.assertEqual(faults(planned, SCHEMA), [])
+                self.assertEqual(sum(task["output_bytes"] for task in planned["tasks"]), estimate["output_bytes"])
+        (self.folder / "job.yaml").write_text("command: regions field.obj -o world\n")
+        self.assertIn("1 tasks only guessed", self.ok("plan", "job.yaml", "-o", "guessed", "--estimate"))
+
     def test_a_task_is_run_once(self):
         self.plan(f"{SENSED} -o sim.ply", pieces=2)
         self.assertIn("task 1 done", self.ok("run", "plan", "--task", 1))

@@ -12,8 +12,8 @@ ROOMS = {
     9050, "report": 2850, "studies": 9550, "web/src": 7100, "src/underbrush/actors": 1480,
     "src/underbrush/calibrate": 2330,
     "src/underbrush/cluster": 1500, "src/underbrush/compact": 1900, "src/underbrush/core": 2600, "src/underbrush/credit": 1100,
-    "src/underbrush/elements": 2600, "src/underbrush/fit": 1800, "src/underbrush/ground": 2000, "src/underbrush/io":
-    7850, "src/underbrush/jobs": 1350, "src/underbrush/keyframes": 2000, "src/underbrush/library": 350, "src/underbrush/likelihood": 2000, "src/underbrush/live": 1100, "src/underbrush/metrics": 3250,
+    "src/underbrush/elements": 2600, "src/underbrush/fit": 2200, "src/underbrush/ground": 2000, "src/underbrush/io":
+    7850, "src/underbrush/jobs": 2000, "src/underbrush/keyframes": 2000, "src/underbrush/library": 350, "src/underbrush/likelihood": 2200, "src/underbrush/live": 1100, "src/underbrush/metrics": 3250,
     "src/underbrush/movers": 700, "src/underbrush/optimize": 700, "src/underbrush/osi": 5150,
     "src/underbrush/perception": 5600, "src/underbrush/pipeline": 5790, "src/underbrush/primitives": 3600,
     "src/underbrush/radiometry": 2300, "src/underbrush/rasters": 600, "src/underbrush/regions": 1400, "src/underbrush/sensor": 3050, "src/underbrush/serve": 7000,

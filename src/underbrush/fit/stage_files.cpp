@@ -60,9 +60,8 @@ FitReport report_of(const JsonValue& j) {
   const JsonValue counts = j.at("counts"), leaves = j.at("leaf_angles");
   for (const auto& [name, count] : kCounts) r.*count = counts.at(name).count();
   for (const JsonValue& warning : j.at("warnings").values()) r.warnings.push_back(warning.text());
-  r.leaf_angles = {leaves.at("cells").count(), leaves.at("hits").count(),
-                   leaves.at("chi").number(), leaves.at("deviation").number(),
-                   leaves.at("used").boolean()};
+  r.leaf_angles = {leaves.at("cells").count(), leaves.at("hits").count(), leaves.at("chi").number(),
+                   leaves.at("deviation").number(), leaves.at("used").boolean()};
   return r;
 }
 

@@ -62,9 +62,8 @@ std::optional<pipeline::FittedModel> run_fit_stage(const FitStage& stage, const 
     fit::write_refinement(output, refinement);
     return {};
   }
-  return pipeline::completed(
-      fit::end_fit(*log, std::move(start), std::move(refinement), options), {*log, path}, options,
-      provenance);
+  return pipeline::completed(fit::end_fit(*log, std::move(start), std::move(refinement), options),
+                             {*log, path}, options, provenance);
 }
 
 }  // namespace underbrush::jobs

@@ -83,9 +83,9 @@ size_t add_fit(const Task& whole, size_t pieces, Plan& plan) {
       const size_t first = rows / pieces * k + std::min(k, rows % pieces);
       const size_t end = first + rows / pieces + (k < rows % pieces ? 1 : 0);
       const std::string name = "sum:" + std::to_string(first) + ":" + std::to_string(end);
-      of_step.push_back({"--from", add(2 * round - 1, name, "sums.bin",
-                                       kSecondsOfPass * double(end - first),
-                                       {{"--from", latest}})});
+      of_step.push_back(
+          {"--from", add(2 * round - 1, name, "sums.bin", kSecondsOfPass * double(end - first),
+                         {{"--from", latest}})});
     }
     const bool is_last = round == rounds;
     latest = add(2 * round, is_last ? "end" : "step", is_last ? "model" : "refinement",

@@ -86,6 +86,7 @@ class Planner {
     const Command command = taken_apart(words);
     Task task;
     task.command = command.words;
+    task.command_number = commands_++;
     task.inputs = inputs_of(command.words);
     const std::string seed = value_of(command.words, "--seed");
     try {
@@ -216,7 +217,7 @@ class Planner {
   }
 
   Plan& plan_;
-  size_t pieces_;
+  size_t pieces_, commands_ = 0;
   std::set<std::string> results_;
 };
 

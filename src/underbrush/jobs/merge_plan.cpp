@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/temporary.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/export.hpp"
 #include "underbrush/io/json_text.inl"
@@ -42,6 +43,7 @@ void copy(const fs::path& from, const std::string& to) {
 }  // namespace
 
 void merge_plan(const fs::path& folder, const Plan& plan) {
+  const TemporaryPath cleans(folder, "merge");  // Removes what killed tasks have left.
   std::vector<Record> records;
   for (size_t k = 0; k < plan.tasks.size(); ++k) {
     const std::optional<Record> record = checked_record(folder, plan, k);

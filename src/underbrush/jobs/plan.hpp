@@ -39,8 +39,10 @@ struct Task {
   std::vector<EarlierOutput> earlier;
   std::vector<TaskOutput> outputs;
   uint64_t seed = 1;
-  double seconds = 0;         ///< s; a rough guess of one core's time.
-  uint64_t memory_bytes = 0;  ///< A rough guess of the most memory.
+  double seconds = 0;         ///< s; one core's time, roughly guessed or estimated (`estimate`).
+  uint64_t memory_bytes = 0;  ///< The most memory, likewise.
+  uint64_t output_bytes = 0;  ///< What it makes; known of estimates alone.
+  size_t command_number = 0;  ///< The number of the job's command; not in the plan's file.
 };
 
 /// A file or folder that `merge` makes: an output of one task, or the logs of several, joined.
@@ -61,8 +63,9 @@ struct Plan {
 
 /// Makes the plan of a job: counts the beams of commands that are cut, and hashes all inputs, which
 /// are the words of the command that name a file or folder. A fit that is cut becomes tasks of its
-/// stages (`run_fit_stage`). Throws `std::invalid_argument` for a verb whose tasks are not independent, for a command without output, and for two results of one
-/// name; throws what the readers of logs throw.
+/// stages (`run_fit_stage`). Throws `std::invalid_argument` for a verb whose tasks are not
+/// independent, for a command without output, and for two results of one name; throws what the
+/// readers of logs throw.
 Plan make_plan(const Job& job, const std::string& program);
 
 /// Writes a plan's folder, whole or not at all. Throws `IoError`, also where something stands

@@ -38,7 +38,8 @@ Json json_of(const Plan& plan) {
                           {"outputs", outputs},
                           {"seed", task.seed},
                           {"seconds", task.seconds},
-                          {"memory_bytes", task.memory_bytes}});
+                          {"memory_bytes", task.memory_bytes},
+                          {"output_bytes", task.output_bytes}});
   }
   j["results"] = Json::array();
   for (const Result& r : plan.results) {
@@ -62,8 +63,7 @@ Task task_of(const JsonValue& value) {
   task.command = texts_of(value.at("command"));
   task.inputs = texts_of(value.at("inputs"));
   for (const JsonValue& e : value.at("earlier").values()) {
-    task.earlier.push_back(
-        {e.at("option").text(), e.at("task").count(), e.at("output").count()});
+    task.earlier.push_back({e.at("option").text(), e.at("task").count(), e.at("output").count()});
   }
   for (const JsonValue& o : value.at("outputs").values()) {
     task.outputs.push_back({o.at("option").text(), o.at("name").text()});
@@ -75,6 +75,7 @@ Task task_of(const JsonValue& value) {
   task.seed = value.at("seed").count();
   task.seconds = value.at("seconds").number();
   task.memory_bytes = value.at("memory_bytes").count();
+  task.output_bytes = value.at("output_bytes").count();
   return task;
 }
 

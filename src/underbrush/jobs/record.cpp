@@ -35,7 +35,9 @@ Record record_of(const JsonValue& root) {
     out.outputs.push_back({o.at("path").text(), o.at("hash").text()});
   }
   out.seconds = root.at("seconds").number();
+  out.processor_s = root.at("processor_s").number();
   out.peak_memory_bytes = root.at("peak_memory_bytes").count();
+  out.output_bytes = root.at("output_bytes").count();
   return out;
 }
 
@@ -65,13 +67,14 @@ std::string hash_of_plan(const fs::path& folder) { return io::hash_of(folder / k
 void write_record(const fs::path& folder, size_t task, const Record& record) {
   Json j = {{"format", kRecordFormat}, {"version", kPlanVersion},   {"task", task},
             {"plan", record.plan},     {"program", record.program}, {"command", record.command},
-            {"inputs", record.inputs}, {"earlier", record.earlier},
-            {"outputs", Json::array()}};
+            {"inputs", record.inputs}, {"earlier", record.earlier}, {"outputs", Json::array()}};
   for (const MadeOutput& o : record.outputs) {
     j["outputs"].push_back({{"path", o.path}, {"hash", o.hash}});
   }
   j["seconds"] = record.seconds;
+  j["processor_s"] = record.processor_s;
   j["peak_memory_bytes"] = record.peak_memory_bytes;
+  j["output_bytes"] = record.output_bytes;
   io::write_atomically(record_file(folder, task), io::text_of_json(j, 1) + "\n");
 }
 

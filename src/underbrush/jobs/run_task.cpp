@@ -96,10 +96,10 @@ TaskEnd run_task(const fs::path& folder, size_t number, const std::string& progr
   if (const auto record = true_record(folder, plan, number)) return {false, *record, {}};
   const Task& task = plan.tasks[number];
   const Earlier earlier = earlier_of(folder, plan, task);
-  TaskEnd out{true,
-              {hash_of_plan(folder), version, task.command, checked_inputs(plan, task),
-               earlier.hashes, {}},
-              {}};
+  TaskEnd out{
+      true,
+      {hash_of_plan(folder), version, task.command, checked_inputs(plan, task), earlier.hashes, {}},
+      {}};
   const TemporaryPath temporary(folder, "task");
   make_temporary_folders(temporary.path());
   std::vector<std::string> words{program};
@@ -121,9 +121,11 @@ TaskEnd run_task(const fs::path& folder, size_t number, const std::string& progr
     return out;
   }
   out.record.seconds = end.seconds;
+  out.record.processor_s = end.processor_s;
   out.record.peak_memory_bytes = end.peak_memory_bytes;
   for (const TaskOutput& o : task.outputs) {
     out.record.outputs.push_back({o.name, io::hash_of(temporary.path() / o.name)});
+    out.record.output_bytes += io::size_of(temporary.path() / o.name);
   }
   const fs::path place = placed(temporary.path(), folder, number);
   for (MadeOutput& o : out.record.outputs) o.path = (place / o.path).string();

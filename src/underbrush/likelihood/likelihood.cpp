@@ -75,8 +75,8 @@ struct Refiner::State {
 Refiner::Refiner(const elements::Model& start, const ListedBeams& beams,
                  const LikelihoodOptions& options, const std::vector<bool>& moving) {
   check(start, options, moving);
-  state_ = std::make_unique<State>(
-      State{start, beams, options, moving, Neighbours(start.ellipsoids)});
+  state_ =
+      std::make_unique<State>(State{start, beams, options, moving, Neighbours(start.ellipsoids)});
 }
 
 Refiner::~Refiner() = default;
@@ -143,10 +143,10 @@ Refined refine(const elements::Model& start, BeamSource& source, const Likelihoo
   Refinement r = refiner.begin();
   while (const auto share = r.wanted(options)) {
     const std::string name = r.report.steps[r.step].name;
-    refiner.maximise(
-        r, expect(r.best->world, beams, *share, r.soft, [&](size_t done, size_t total) {
-          if (progress) progress(name, done, total);
-        }));
+    refiner.maximise(r,
+                     expect(r.best->world, beams, *share, r.soft, [&](size_t done, size_t total) {
+                       if (progress) progress(name, done, total);
+                     }));
   }
   return refiner.finish(std::move(r));
 }

@@ -72,11 +72,11 @@ struct TracedModel {
 /// A refinement between two passes over the training beams.
 struct Refinement {
   std::shared_ptr<TracedModel> best;  ///< The best model so far.
-  double held_out_nll = 0;                  ///< Its, nats, as in `metrics::score`.
-  trace::OutlierShares soft;                ///< The outliers under which credit is given.
+  double held_out_nll = 0;            ///< Its, nats, as in `metrics::score`.
+  trace::OutlierShares soft;          ///< The outliers under which credit is given.
   LikelihoodReport report;
-  size_t step = 0;  ///< The place of the model in the steps of the report.
-  int round = 0;    ///< M-steps tried so far.
+  size_t step = 0;      ///< The place of the model in the steps of the report.
+  int round = 0;        ///< M-steps tried so far.
   double stride = 0.8;  ///< The length of the next one, below 1 because neighbours move at once.
 
   /// The share of the training beams of which the next M-step needs the sums under the model;

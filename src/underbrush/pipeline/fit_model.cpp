@@ -144,8 +144,8 @@ void set_recorder(const sensor::Sensor& sensor, fit::FitOptions& options) {
 FittedModel fit_model(const FitLog& log, const fit::FitOptions& options,
                       const Provenance& provenance, const fit::FitProgress& progress) {
   const auto start = Clock::now();
-  FittedModel out = completed(
-      on_log(log, [&] { return fit::fit(log.beams, options, progress); }), log, options, provenance);
+  FittedModel out = completed(on_log(log, [&] { return fit::fit(log.beams, options, progress); }),
+                              log, options, provenance);
   out.seconds = seconds_since(start);
   return out;
 }
