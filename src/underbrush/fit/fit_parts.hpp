@@ -9,13 +9,13 @@
 
 namespace underbrush::fit {
 
-/// The beams of a log as a fit sees them.
+/// The beams of a log that is fitted.
 struct FitBeams {
   FitBeams(BeamSource& source, const FitOptions& options);
 
   KeptBeams rows;
   FirstEchoes first;
-  BeamSource& ends;  ///< Those of `rows` with `all_echoes`, else of `first`.
+  BeamSource& ends;  ///< The beams of `rows` with `all_echoes`, else of `first`.
   std::string sensor;
 };
 

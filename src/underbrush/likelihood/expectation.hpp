@@ -29,8 +29,8 @@ struct PassTotals {
   void add(const PassTotals& other);
 };
 
-/// Exact sums of a pass over some training beams. Those of the parts of a log, added in any order,
-/// are those of the whole.
+/// Exact sums of a pass over some training beams. The sums of the parts of a log, added in any
+/// order, are the sums of the whole.
 struct PassSums {
   ElementSums elements;
   PassTotals totals;
