@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 from collections.abc import Callable, Iterator
+from urllib.parse import urlunsplit
 
 import pytest
 from distributed import Client
@@ -28,8 +29,8 @@ def remote(request: pytest.FixtureRequest, tmp_path: pathlib.Path) -> Iterator[R
     server = pytest.importorskip("moto.server", reason="moto[server] is not installed").ThreadedMotoServer(port=0, verbose=False)
     server.start()
     try:
-        host, port = server.get_host_and_port()
-        storage = {"key": "someone", "secret": SECRET, "client_kwargs": {"endpoint_url": f"http://{host}:{port}"}}
+        port = server.get_host_and_port()[1]
+        storage = {"key": "someone", "secret": SECRET, "client_kwargs": {"endpoint_url": urlunsplit(("http", f"127.0.0.1:{port}", "", "", ""))}}
         bucket = f"bucket-{os.urandom(8).hex()}"
         s3fs.S3FileSystem(**storage).mkdir(bucket)
         yield Remote(f"s3://{bucket}/job", str(tmp_path / "cache"), storage=storage)
