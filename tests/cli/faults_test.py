@@ -100,6 +100,22 @@ class Faults(jobs_test.JobFolder):
                 for result in results:
                     self.assert_same(result, result.replace("joined", "whole"))
 
+    def test_a_truncated_input_among_64(self):
+        self.ok(*jobs_test.SENSED.split(), "--beams", "0:2000", "-o", "seen.ply")
+        for k in range(64):
+            shutil.copy(self.folder / "seen.ply", self.folder / f"{k}.ply")
+        (self.folder / "17.ply").write_bytes(self.bytes_of("seen.ply")[:9999])
+        self.plan("import {log}.ply -o new/{log}.ublog", over={"log": list(range(64))})
+        status = json.loads(self.ok("plan", "--status", "plan", "--json", "-"))
+        self.assertEqual(len(status["missing"]), 64)
+        for task in range(64):
+            self.assertEqual(self.call("run", "plan", "--task", task).returncode, 4 if task == 17 else 0)
+        status = json.loads(self.ok("plan", "--status", "plan", "--json", "-"))
+        self.assertEqual((len(status["done"]), list(status["failed"])), (63, ["17"]))
+        self.assertIn("17.ply", status["failed"]["17"]["last_lines"])
+        self.assert_fails(self.call("merge", "plan"), 3, "task 17", "failed")
+        self.assertFalse((self.folder / "new").exists())
+
     def test_a_full_disk(self):
         """The plan lies on a disk that is full, and then on one that is large enough; so does the result."""
         small = self.folder / "small"

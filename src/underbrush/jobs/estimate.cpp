@@ -17,11 +17,15 @@ namespace underbrush::jobs {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr size_t kCalibrated = 3;  // that are calibrated; others cost as the one before them
-constexpr size_t kBeams = pipeline::kSimulatedBeams;     // of a part of a drive
-constexpr size_t kLongLog = credit::kLongLog * 11 / 10;  // of which as many are no held-out beams
+/// The most commands that are calibrated; each other one costs as much as the one before it.
+constexpr size_t kCalibrated = 3;
+/// The beams of a part of a drive.
+constexpr size_t kBeams = pipeline::kSimulatedBeams;
+/// Rows of which enough are no held-out beams for a fit to take its first steps from shares.
+constexpr size_t kLongLog = credit::kLongLog * 11 / 10;
 constexpr size_t kLeastRows = 20000;
-constexpr double kKeptRows = 6e6;  // a fit keeps no longer log in memory
+/// A fit keeps no longer log in memory.
+constexpr double kKeptRows = 6e6;
 
 struct Costs {
   double processor_s = 0, memory_bytes = 0, output_bytes = 0;
@@ -186,16 +190,17 @@ CostsOfTasks costs_of_logs(const std::vector<std::string>& words, size_t pieces,
   return out;
 }
 
-/// Nothing for a command without a log, and for one that simulates more than a log.
+/// Nothing for a command without a log, and for one that simulates what cannot be cut.
 CostsOfTasks costs_of(const std::vector<std::string>& words, size_t pieces, const Plan& plan,
                       const std::vector<size_t>& tasks, const std::string& program) {
-  const bool is_more = plan.tasks[tasks[0]].outputs.size() > 1 ||
-                       std::ranges::any_of(words, [](const std::string& word) {
-                         return word.starts_with("--rig") || word.starts_with("--profile");
-                       });
-  if (words[0] == "simulate" && !is_more) return costs_of_simulate(words, plan, tasks, program);
-  if (words[0] == "simulate" || logs_of(words).empty()) return {};
-  return costs_of_logs(words, pieces, tasks, program);
+  if (words[0] == "simulate") {
+    try {
+      return costs_of_simulate(words, plan, tasks, program);
+    } catch (const std::invalid_argument&) {
+      return {};
+    }
+  }
+  return logs_of(words).empty() ? CostsOfTasks() : costs_of_logs(words, pieces, tasks, program);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "underbrush/jobs/fit_stage.hpp"
 
+#include <chrono>
+
 #include "underbrush/core/check.hpp"
 #include "underbrush/fit/stage_files.hpp"
 
@@ -45,6 +47,7 @@ std::optional<pipeline::FittedModel> run_fit_stage(const FitStage& stage, const 
                                                    const std::string& output,
                                                    const pipeline::Provenance& provenance,
                                                    const fit::FitProgress& progress) {
+  const auto begin_time = std::chrono::steady_clock::now();
   const auto log = pipeline::open_log(path, true);
   if (stage.name == "begin") {
     begin(*log, options, output, progress);
@@ -62,8 +65,12 @@ std::optional<pipeline::FittedModel> run_fit_stage(const FitStage& stage, const 
     fit::write_refinement(output, refinement);
     return {};
   }
-  return pipeline::completed(fit::end_fit(*log, std::move(start), std::move(refinement), options),
-                             {*log, path}, options, provenance);
+  pipeline::FittedModel out =
+      pipeline::completed(fit::end_fit(*log, std::move(start), std::move(refinement), options),
+                          {*log, path}, options, provenance);
+  out.seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_time).count();
+  return out;
 }
 
 }  // namespace underbrush::jobs

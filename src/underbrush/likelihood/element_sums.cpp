@@ -103,23 +103,6 @@ void ElementSums::add_noise(elements::Kind mesh, const MeshNoise& noise) {
   for (size_t k = 0; k < to.size(); ++k) to[k].add(noise[k]);
 }
 
-void ElementSums::add(const ElementSums& other) {
-  parallel_for(triangles_.size(), 4096, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      for (size_t k = 0; k < triangles_[i].size(); ++k)
-        triangles_[i][k].add(other.triangles_[i][k]);
-    }
-  });
-  parallel_for(ellipsoids_.size(), 4096, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      for (size_t k = 0; k < kSumFields; ++k) ellipsoids_[i][k] += other.ellipsoids_[i][k];
-    }
-  });
-  for (size_t m = 0; m < noise_.size(); ++m) {
-    for (size_t k = 0; k < noise_[m].size(); ++k) noise_[m][k].add(other.noise_[m][k]);
-  }
-}
-
 void ElementSums::multiply(unsigned factor) {
   if (factor == 1) return;
   for (auto& sums : triangles_) {

@@ -99,8 +99,6 @@ class ElementSums {
   void add_triangle(uint32_t element, const TriangleSums& terms);
   /// Adds to the sums of a mesh.
   void add_noise(elements::Kind mesh, const MeshNoise& noise);
-  /// Adds the sums of other beams with the same elements.
-  void add(const ElementSums& other);
   /// Multiplies all sums.
   void multiply(unsigned factor);
 

@@ -201,12 +201,6 @@ PassTotals find_shares(const ModelForm& model, const BeamBlock& block,
   return totals_of(model, block, max_range_m, &soft, shares, sums);
 }
 
-void PassSums::add(const PassSums& other) {
-  elements.add(other.elements);
-  totals.add(other.totals);
-  beams += other.beams;
-}
-
 PassSums pass_over_training(const trace::World& world, const ListedBeams& beams,
                             credit::BeamShare share, const trace::OutlierShares& soft,
                             const std::function<void(size_t, size_t)>& progress) {

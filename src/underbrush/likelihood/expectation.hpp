@@ -35,9 +35,6 @@ struct PassSums {
   ElementSums elements;
   PassTotals totals;
   uint64_t beams = 0;
-
-  /// Adds the sums of other beams under the same model.
-  void add(const PassSums& other);
 };
 
 /// The columns of the meetings of a run of beams.

@@ -55,7 +55,7 @@ struct Refiner::State {
   const elements::Model& start;
   const ListedBeams& beams;
   const LikelihoodOptions& options;
-  const std::vector<bool>& moving;
+  std::vector<bool> moving;
   Neighbours neighbours;
 
   /// Takes a model for the best one if it explains the held-out beams better.

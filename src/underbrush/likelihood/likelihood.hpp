@@ -72,7 +72,7 @@ struct TracedModel {
 /// A refinement between two passes over the training beams.
 struct Refinement {
   std::shared_ptr<TracedModel> best;  ///< The best model so far.
-  double held_out_nll = 0;            ///< Its, nats, as in `metrics::score`.
+  double held_out_nll = 0;            ///< Mean −log f of its held-out beams, nats.
   trace::OutlierShares soft;          ///< The outliers under which credit is given.
   LikelihoodReport report;
   size_t step = 0;      ///< The place of the model in the steps of the report.
@@ -88,9 +88,9 @@ struct Refinement {
 /// elsewhere: sums of parts of the training beams (`pass_over_training`), added, are those of all.
 class Refiner {
  public:
-  /// `start` is the model that the refinement begins with. `beams` and `options` must outlive the
-  /// refiner; of `beams` the held-out ones and the number of training beams count. `moving` is as
-  /// for `refine`. Throws as `refine` does.
+  /// `start` is the model that the refinement begins with. It, `beams` and `options` must outlive
+  /// the refiner. Of `beams` the held-out ones and the number of training beams count. `moving` is
+  /// as for `refine`. Throws as `refine` does.
   Refiner(const elements::Model& start, const ListedBeams& beams, const LikelihoodOptions& options,
           const std::vector<bool>& moving = {});
   ~Refiner();
