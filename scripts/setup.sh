@@ -14,7 +14,8 @@ build="g++ cmake ninja-build make git pkg-config
   libtinygltf-dev libcpp-httplib-dev libprotozero-dev libpugixml-dev libzstd-dev zlib1g-dev"
 live="libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc"
 test="$live libembree-dev chromium libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev liblzma-dev
-  clang clang-tidy clang-format libclang-rt-14-dev doxygen jq valgrind python3 python3-numpy python3-dev python3-venv"
+  clang clang-tidy clang-format libclang-rt-14-dev doxygen jq valgrind slurm-wlm python3 python3-numpy python3-dev
+  python3-venv"
 docs="doxygen python3 python3-venv"
 package="$live dpkg-dev file debootstrap"
 results="python3-venv xz-utils"

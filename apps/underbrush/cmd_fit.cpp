@@ -8,6 +8,7 @@
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/fit/parameters.hpp"
 #include "underbrush/io/atomic_file.hpp"
+#include "underbrush/jobs/fit_stage.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -18,6 +19,7 @@ struct Arguments {
   std::string log, output, splat, ground_mesh, update, echoes = "first";
   pipeline::UpdateLogOptions how;
   fit::FitOptions fit;
+  jobs::FitStage stage;
 };
 
 /// Adds `--update` and its own options; `of_fit` have no place beside it.
@@ -59,6 +61,17 @@ void add_options(Verb& verb, Arguments& a) {
           ->check(CLI::IsMember({"first", "all"}))
           ->capture_default_str());
   add_update_options(verb, a, update, of_fit);
+  verb.begin_rare_group("Stages of a fit, as a plan has them");
+  CLI::Option* stage =
+      verb.not_of_result(app.add_option("--stage", a.stage.name,
+                                        "Run this stage alone, and leave the output for others")
+                             ->type_name("begin|sum:FIRST:END|step|end")
+                             ->configurable(false)
+                             ->excludes(update));
+  verb.not_of_result(app.add_option("--from", a.stage.from, "What the stages before have left")
+                         ->type_name("PATH")
+                         ->configurable(false)
+                         ->needs(stage));
 }
 
 void export_model(const Arguments& a, const elements::Model& model) {
@@ -69,19 +82,19 @@ void export_model(const Arguments& a, const elements::Model& model) {
 /// Writes what was fitted or updated, and reports it.
 template <class Trained>
 void finish(const Verb& verb, const Arguments& a, const Trained& trained,
-            const io::LogReader& log) {
+            const pipeline::SkippedRows& skipped) {
   pipeline::write_trained(a.output, trained);
   export_model(a, trained.model);
-  verb.report(json_of(trained, log.skipped()), text_of(trained, log.skipped()) +
-                                                   text_of_warnings(trained.report.warnings) +
-                                                   "  model       " + a.output + "\n");
+  verb.report(json_of(trained, skipped), text_of(trained, skipped) +
+                                             text_of_warnings(trained.report.warnings) +
+                                             "  model       " + a.output + "\n");
 }
 
 void run_fit(const Verb& verb, const Arguments& a) {
   const auto log = pipeline::open_log(a.log, true);
   const pipeline::FittedModel fitted = pipeline::fit_model(
       {*log, a.log}, a.fit, std::bind_front(&Verb::provenance, &verb), shown<StageProgress>());
-  finish(verb, a, fitted, *log);
+  finish(verb, a, fitted, log->skipped());
 }
 
 void run_update(const Verb& verb, const Arguments& a) {
@@ -90,7 +103,7 @@ void run_update(const Verb& verb, const Arguments& a) {
   const pipeline::UpdatedModel updated =
       pipeline::update_model(std::move(known), {*log, a.log}, a.how,
                              std::bind_front(&Verb::provenance, &verb), shown<StageProgress>());
-  finish(verb, a, updated, *log);
+  finish(verb, a, updated, log->skipped());
 }
 
 void run(const Verb& verb, Arguments& a) {
@@ -100,6 +113,12 @@ void run(const Verb& verb, Arguments& a) {
   }
   for (const std::string& file : {a.splat, a.ground_mesh}) {
     if (!file.empty()) io::check_output(file);
+  }
+  if (!a.stage.name.empty()) {
+    const auto fitted =
+        jobs::run_fit_stage(a.stage, a.log, a.fit, a.output,
+                            std::bind_front(&Verb::provenance, &verb), shown<StageProgress>());
+    return fitted ? finish(verb, a, *fitted, {}) : void();
   }
   elements::check_model_output(a.output);
   if (!a.update.empty()) return run_update(verb, a);

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/jobs/estimate.hpp"
 #include "underbrush/jobs/merge_plan.hpp"
 #include "underbrush/jobs/plan_status.hpp"
 #include "underbrush/jobs/run_task.hpp"
@@ -15,6 +16,7 @@ namespace fs = std::filesystem;
 struct Arguments {
   std::string job, output, status, slurm, make;
   size_t task = 0;
+  bool estimate = false;
 };
 
 std::string text_of(const std::vector<size_t>& tasks) {
@@ -44,7 +46,9 @@ void report_status(const Verb& verb, const std::string& folder) {
                {"missing", s.missing},
                {"wrong", wrong},
                {"seconds", s.seconds},
-               {"peak_memory_bytes", s.peak_memory_bytes}},
+               {"processor_s", s.processor_s},
+               {"peak_memory_bytes", s.peak_memory_bytes},
+               {"output_bytes", s.output_bytes}},
               text);
 }
 
@@ -66,15 +70,29 @@ void plan(const Verb& verb, const Arguments& a) {
   } catch (const fs::filesystem_error& e) {  // Of an input that the job names.
     throw FormatError(a.job, "", e.path1().string() + ": " + e.code().message());
   }
+  Json j;
+  std::string text;
+  if (a.estimate) {
+    const jobs::Estimate e = jobs::estimate(job, fs::read_symlink("/proc/self/exe"), made);
+    j["estimate"] = {{"processor_s", e.processor_s},
+                     {"memory_bytes", e.memory_bytes},
+                     {"output_bytes", e.output_bytes},
+                     {"guessed_tasks", e.guessed},
+                     {"calibration_s", e.calibration_s}};
+    text = fmt::format(
+        "  estimated   {:.2g} processor hours, at most {} MiB a task, {:.3g} MB of outputs; {} "
+        "tasks only guessed\n",
+        e.processor_s / 3600, e.memory_bytes >> 20, 1e-6 * double(e.output_bytes), e.guessed);
+  }
   jobs::write_plan(a.output, made, verb.force);
   double seconds = 0;
   for (const jobs::Task& task : made.tasks) seconds += task.seconds;
-  verb.report({{"tasks", made.tasks.size()},
-               {"results", made.results.size()},
-               {"inputs", made.inputs.size()},
-               {"seconds", seconds}},
-              fmt::format("{}: {} tasks, {} results, about {:.0f} s of one core\n", a.output,
-                          made.tasks.size(), made.results.size(), seconds));
+  j.update(Json{{"tasks", made.tasks.size()},
+                {"results", made.results.size()},
+                {"inputs", made.inputs.size()},
+                {"seconds", seconds}});
+  verb.report(j, fmt::format("{}: {} tasks, {} results, about {:.0f} s of one core\n{}", a.output,
+                             made.tasks.size(), made.results.size(), seconds, text));
 }
 
 void run(const Verb& verb, const Arguments& a) {
@@ -124,6 +142,8 @@ void add_plan(Program& program) {
   verb->app.add_option("JOB", a->job, "The job's file: a command, and what it is repeated over")
       ->type_name("JOB.yaml");
   verb->output("-o,--output", a->output, "The folder of the plan");
+  verb->app.add_flag("--estimate", a->estimate,
+                     "Run small parts of the job, and say what all of it will cost");
   verb->app.add_option("--status", a->status, "Say which tasks are done, failed and missing")
       ->type_name("PLAN");
   verb->app.add_option("--slurm", a->slurm, "Print a script that submits the plan to Slurm")

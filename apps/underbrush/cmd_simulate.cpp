@@ -16,6 +16,7 @@
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/io/poses.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
+#include "underbrush/regions/world_folder.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -160,7 +161,8 @@ pipeline::Simulation simulation_of(const Arguments& a, const pipeline::TracedWor
 }
 
 std::vector<std::filesystem::path> inputs_of(const Arguments& a) {
-  std::vector<std::filesystem::path> inputs{a.model, a.like.empty() ? a.trajectory : a.like};
+  std::vector<std::filesystem::path> inputs = regions::hashed_parts(a.model);
+  inputs.emplace_back(a.like.empty() ? a.trajectory : a.like);
   for (const std::string& text : a.movers) {
     const MoverWords w = mover_words(text);
     inputs.emplace_back(w.model);

@@ -92,7 +92,8 @@ def run_tests(build: pathlib.Path, words: list[str], usual: Sequence[str] = ("",
               variables: Mapping[str, str] = MappingProxyType({}), interpreter: str = sys.executable) -> int:
     """Runs pytest on the module of the build folder; words without a test run the usual ones."""
     name = "venv" if interpreter == sys.executable else pathlib.Path(interpreter).name
-    packages = [package for added in ("formats", "arrow", "dask", "live", "stream", "test") for package in extra(added)]
+    extras = ("formats", "arrow", "dask", "remote", "live", "stream", "test")
+    packages = [package for added in extras for package in extra(added)]
     python = environment(build / "python" / name, ["numpy", "nanobind-backend", *packages], maker_in(build),
                          interpreter=interpreter)
     paths = os.pathsep.join(filter(None, [str(build / "python" / "package"), os.environ.get("PYTHONPATH")]))

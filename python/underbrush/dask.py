@@ -8,10 +8,11 @@ import subprocess
 from typing import Any
 
 from underbrush.cli import program
+from underbrush.remote import Remote, run_task
 
 
 def submit(plan: str | os.PathLike[str], client: Any, *, threads: int = 1, retries: int = 2,
-           memory: bool = False) -> list[Any]:
+           memory: bool = False, remote: Remote | None = None) -> list[Any]:
     """Submits the tasks of a plan to a Dask `Client`, and returns a future for each, in the order of their numbers.
 
     Workers need this package, and see the folder in which this process works, from which the plan was made, under the
@@ -19,6 +20,9 @@ def submit(plan: str | os.PathLike[str], client: Any, *, threads: int = 1, retri
     `RuntimeError` with the program's last line, and the others go on. With `memory`, each task asks for the plan's guess
     of its memory as the resource `memory`, in bytes, which workers then must have (`dask worker --resources`). Once all
     futures are done, `underbrush merge PLAN` joins what they made.
+
+    With `remote`, workers share no folder: files are fetched from where `underbrush.remote.put_plan` has put them, and
+    `underbrush.remote.get_results` brings what the tasks made here before the merge.
 
     Raises `OSError` where there is no plan.
     """
@@ -30,15 +34,17 @@ def submit(plan: str | os.PathLike[str], client: Any, *, threads: int = 1, retri
         for number, task in enumerate(tasks):
             if task["stage"] == stage:
                 resources = {"memory": task["memory_bytes"]} if memory else None
-                futures[number] = client.submit(_run, os.fspath(plan), number, os.getcwd(), threads, before,
+                futures[number] = client.submit(_run, os.fspath(plan), number, remote or os.getcwd(), threads, before,
                                                 key=f"{pathlib.Path(plan).name}-{number}-{os.urandom(4).hex()}",
                                                 retries=retries, resources=resources, pure=False)
         before = [future for number, future in futures.items() if tasks[number]["stage"] == stage]
     return [futures[number] for number in range(len(tasks))]
 
 
-def _run(plan: str, number: int, folder: str, threads: int, _before: object) -> dict[str, Any]:
+def _run(plan: str, number: int, folder: str | Remote, threads: int, _before: object) -> dict[str, Any]:
     """Runs a task on a worker; `_before` are the results of the stage before, for which Dask waits."""
+    if isinstance(folder, Remote):
+        return run_task(pathlib.Path(plan).name, number, folder, threads=threads)
     done = subprocess.run([program(), "run", plan, "--task", str(number), "--threads", str(threads), "--json", "-"],
                           cwd=folder, check=False, capture_output=True, text=True)
     if done.returncode:

@@ -46,8 +46,8 @@ def faults(value, schema, place="plan"):
     return out
 
 
-class Jobs(cli_test.Failing):
-    """Each test has a folder with a mesh, poses and a log."""
+class JobFolder(cli_test.Failing):
+    """Each test has a folder with a mesh and poses."""
 
     def setUp(self):
         temporary = tempfile.TemporaryDirectory()
@@ -84,6 +84,15 @@ class Jobs(cli_test.Failing):
 
     def made(self, task):
         return self.folder / "plan" / json.loads(self.record(task).read_text())["outputs"][0]["path"]
+
+    def files_of(self, name):
+        """The bytes of all files of a folder."""
+        folder = self.folder / name
+        return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+class Jobs(JobFolder):
+    """Plans, their tasks and their results."""
 
     def test_pieces_have_the_bytes_of_one_run(self):
         self.ok(*SENSED.split(), "--seed", 5, "-o", "seen.ply")
@@ -149,6 +158,56 @@ class Jobs(cli_test.Failing):
         self.assertEqual(told["bytes"], sum(f.stat().st_size for f in (self.folder / "world2").rglob("*") if f.is_file()))
         self.assertGreater(told["instances"], 100)
         self.assertIn("12 of 39 m", self.ok("info", "world2"))
+
+    def test_fits_in_stages(self):
+        """The passes of a fit are summed up by tasks, in any order and some twice; the model is that of one run."""
+        self.ok(*SENSED.split(), "--range-noise", 0.02, "--seed", 3, "-o", "seen.ublog")
+        command = "fit seen.ublog --rounds 2 --seed 4 -o {}"
+        pieces = 3
+        self.assertEqual(self.plan(command.format("joined"), pieces=pieces), 1 + 2 * (pieces + 1))
+        tasks = json.loads((self.folder / "plan/plan.json").read_text())["tasks"]
+        self.assert_fails(self.call("run", "plan", "--task", 2), 3, "task 0", "was not run")
+        chance = random.Random(8)
+        for stage in range(5):
+            numbers = [k for k, task in enumerate(tasks) if task["stage"] == stage]
+            chance.shuffle(numbers)
+            self.run_tasks([*numbers, numbers[0]])
+            again = self.record(numbers[0])
+            before = json.loads(again.read_text())["outputs"]
+            again.unlink()
+            self.ok("run", "plan", "--task", numbers[0], "--threads", 1)
+            self.assertEqual(json.loads(again.read_text())["outputs"], before)
+        self.ok("merge", "plan")
+        self.ok(*command.format("whole").split())
+        self.assertEqual(self.files_of("joined"), self.files_of("whole"))
+        self.assertGreater(len(self.files_of("whole")), 4)
+        other = json.loads(self.record(4).read_text())
+        other["earlier"][2] = other["earlier"][3]
+        self.record(4).write_text(json.dumps(other))
+        self.assert_fails(self.call("merge", "plan"), 3, "task 4", "another output of task 1")
+
+    def test_estimates(self):
+        """Memory and bytes are estimated within 30 % from small parts of a job; times are on the page of performance."""
+        (self.folder / "poses.txt").write_text(POSES.replace("0.1 0.5", "0.4 2"))
+        self.ok(*SENSED.split(), "--range-noise", 0.02, "--seed", 3, "-o", "seen.ply")
+        jobs = {f"{SENSED} --range-noise 0.02 --seed {{seed}} -o {{seed}}.ply": {"over": {"seed": [1, 2]}, "pieces": 2},
+                "fit seen.ply -o model": {}, "import seen.ply -o seen.ublog": {}}
+        for k, (command, keys) in enumerate(jobs.items()):
+            with self.subTest(command):
+                (self.folder / "job.yaml").write_text(json.dumps({"command": command, **keys}))
+                told = json.loads(self.ok("plan", "job.yaml", "-o", f"plan{k}", "--estimate", "--json", "-"))
+                self.run_tasks(range(told["tasks"]), f"plan{k}")
+                status = json.loads(self.ok("plan", "--status", f"plan{k}", "--json", "-"))
+                estimate = told["estimate"]
+                self.assertEqual(estimate["guessed_tasks"], 0)
+                self.assertGreater(estimate["processor_s"], 0)
+                self.assertLess(abs(estimate["output_bytes"] / status["output_bytes"] - 1), 0.3)
+                self.assertLess(abs(estimate["memory_bytes"] / status["peak_memory_bytes"] - 1), 0.3)
+                planned = json.loads((self.folder / f"plan{k}/plan.json").read_text())
+                self.assertEqual(faults(planned, SCHEMA), [])
+                self.assertEqual(sum(task["output_bytes"] for task in planned["tasks"]), estimate["output_bytes"])
+        (self.folder / "job.yaml").write_text("command: regions field.obj -o world\n")
+        self.assertIn("1 tasks only guessed", self.ok("plan", "job.yaml", "-o", "guessed", "--estimate"))
 
     def test_a_task_is_run_once(self):
         self.plan(f"{SENSED} -o sim.ply", pieces=2)
@@ -244,6 +303,10 @@ class Jobs(cli_test.Failing):
                               ({"over": {"k": [1], "j": [1]}}, ("j",)), ({"over": {"k": [1, 1]}}, ("two results",)),
                               ({"command": "info {k}"}, ("not of",)), ({"command": f"{SENSED} --seed {{k}}"}, ("no output",)),
                               ({"command": "score {k}.ply a.ply --json a.json", "pieces": 2}, ("pieces",)),
+                              ({"command": "fit {k}.ply -o {k}", "pieces": 2}, ("names its log",)),
+                              ({"command": "fit seen.ply --fitter voxel -o {k}", "pieces": 2}, ("likelihood",)),
+                              ({"command": "fit seen.ply --echoes all -o {k}", "pieces": 2}, ("all echoes",)),
+                              ({"command": "fit seen.ply --rounds 0 -o {k}", "pieces": 2}, ("--rounds",)),
                               ({"command": f"{SENSED} --rig r.yaml -o {{k}}.ply", "pieces": 2}, ("--rig",)),
                               ({"command": f"{SENSED} -o {{k}}.ply --json a.json", "pieces": 2}, ("one output",))):
             with self.subTest(change):

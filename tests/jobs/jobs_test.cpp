@@ -99,8 +99,9 @@ Plan small_plan() {
   plan.inputs["a.ply"] = {"xxh3:" + std::string(32, '0'), 7};
   for (const size_t stage : {0, 0, 1, 0}) {
     plan.tasks.push_back(
-        {stage, {"import", "a.ply"}, {"a.ply"}, {{"-o", "b.ply"}}, 5, 1.5, 1 << 20});
+        {stage, {"import", "a.ply"}, {"a.ply"}, {}, {{"-o", "b.ply"}}, 5, 1.5, 1 << 20});
   }
+  plan.tasks[2].earlier = {{"--from", 1, 0}};
   plan.results.push_back({"b.ply", {1, 0}, 0, 3});
   return plan;
 }
@@ -140,6 +141,8 @@ TEST(Plan, ThatIsDamagedIsRefused) {
   refused("input", "'other.ply'");
   plan.tasks[0].outputs[0].name = "../b.ply";
   refused("name", "not the name of a file");
+  plan.tasks[1].earlier = {{"--from", 0, 0}};
+  refused("earlier", "no task of an earlier stage");
 }
 
 TEST(Scripts, StagesFollowEachOther) {

@@ -11,6 +11,8 @@
 #include "region_worlds.hpp"
 #include "underbrush/calibrate/observed_space.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/file.hpp"
+#include "underbrush/io/hash.hpp"
 #include "underbrush/pipeline/score_json.inl"
 #include "underbrush/pipeline/score_logs.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
@@ -265,22 +267,54 @@ TEST(Regions, MemoryForLessThanABeamIsRefused) {
                std::invalid_argument);
 }
 
+TEST(Regions, ARegionThatWasChangedIsNamed) {
+  const io::TemporaryFolder folder;
+  const std::filesystem::path path = folder / "world";
+  const pipeline::World whole = world_of(whole_model());
+  write_world(path, whole.scene, whole.info, kSide, "{}");
+  const WorldFolder read(path), unread(path);
+  const std::filesystem::path region = path / folder_of(read.index().regions[1].square);
+  const uint32_t zero = 0, one = 1;
+  read.part({&one, 1});
+  // A digit of the manifest that changes no element.
+  std::string manifest = read_file(region / "model.json");
+  manifest.replace(manifest.find("\"tau\": ") + 7, 1, "7");
+  std::ofstream(region / "model.json") << manifest;
+  EXPECT_NO_THROW(unread.part({&zero, 1}));
+  try {
+    unread.part({&one, 1});
+    FAIL();
+  } catch (const FormatError& e) {
+    EXPECT_NE(std::string(e.what()).find(region.filename().string()), std::string::npos);
+    EXPECT_NE(std::string(e.what()).find("hash differs"), std::string::npos);
+  }
+  EXPECT_NO_THROW(read.part({&one, 1}));  // Regions are checked once.
+}
+
 TEST(Regions, DamagedWorldsAreRefused) {
   const io::TemporaryFolder folder;
   const std::filesystem::path path = folder / "world";
   const pipeline::World whole = world_of(whole_model());
   write_world(path, whole.scene, whole.info, kSide, "{}");
-  const WorldFolder world(path);
-  const std::filesystem::path first = path / folder_of(world.index().regions[0].square),
-                              second = path / folder_of(world.index().regions[1].square);
+  Index index = read_index(path);
+  const std::filesystem::path first = path / folder_of(index.regions[0].square),
+                              second = path / folder_of(index.regions[1].square);
+  // Refused by the hash, and with a hash that agrees by the numbers.
+  const auto expect_refused = [&] {
+    EXPECT_THROW(WorldFolder(path).whole(), FormatError);
+    index.regions[0].hash = io::hash_of(first);
+    std::filesystem::remove(path / "index.json");
+    write_index(path, index);
+    EXPECT_THROW(WorldFolder(path).whole(), FormatError);
+  };
   // The numbers of another region, and then that region twice.
   std::filesystem::rename(first / "numbers.ply", folder / "numbers.ply");
-  EXPECT_THROW(world.whole(), FormatError);
+  expect_refused();
   std::filesystem::copy_file(second / "numbers.ply", first / "numbers.ply");
-  EXPECT_THROW(world.whole(), FormatError);
+  expect_refused();
   std::filesystem::remove_all(first);
   std::filesystem::copy(second, first, std::filesystem::copy_options::recursive);
-  EXPECT_THROW(world.whole(), FormatError);
+  expect_refused();
   std::ofstream(path / "index.json") << R"({"format": "underbrush-world", "version": 2})";
   EXPECT_THROW(read_index(path), FormatError);
   EXPECT_THROW(write_world(folder.path(), whole.scene, whole.info, kSide, "{}"), IoError);

@@ -1,7 +1,11 @@
 // Tests of sites in parts, and of worlds that are composed of them.
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "io/temporary.hpp"
+#include "underbrush/core/check.hpp"
+#include "underbrush/core/file.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/primitives/annotation.hpp"
@@ -78,6 +82,22 @@ TEST_F(Sites, PartsHaveTheDensityOfTheWhole) {
   }
   EXPECT_GT(patches, 0u);
   EXPECT_EQ(patches, of_whole);
+}
+
+TEST_F(Sites, WithOtherCountsOfPartsThanTheManifestSaysAreRefused) {
+  const std::filesystem::path file = folder / "site" / "site.json";
+  const std::string text = read_file(file);
+  const size_t parts = read_site(folder / "site").parts.size();
+  const size_t columns = 6;
+  const size_t at = text.find("\"columns\": 6");
+  ASSERT_NE(at, std::string::npos);
+  EXPECT_EQ(parts % columns, 0u);
+  for (const char* wrong : {"0", "1", "5", "7"}) {
+    std::ofstream(file) << std::string(text).replace(at + 11, 1, wrong);
+    EXPECT_THROW(read_site(folder / "site"), FormatError) << wrong;
+  }
+  std::ofstream(file) << text;
+  EXPECT_EQ(read_site(folder / "site").parts.size(), parts);
 }
 
 TEST_F(Sites, TreesKeepApartAcrossTheBordersOfParts) {

@@ -218,6 +218,7 @@ void write_training(const fs::path& model, const Training& training) {
   if (!options.sensor.empty()) j["sensor"] = options.sensor;
   if (!options.sensor_file.empty()) j["sensor_file"] = options.sensor_file;
   j["footprint"] = training.footprint;
+  j["logs"] = Json::array();
   for (const TrainingLog& log : training.logs) {
     j["logs"].push_back({{"file", log.file}, {"hash", log.hash}, {"beams", log.beams}});
   }

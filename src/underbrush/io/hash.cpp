@@ -24,7 +24,7 @@ void hash_into(XXH3_state_t& state, const fs::path& file) {
   }
 }
 
-/// The path itself, or all files of a folder.
+/// The path itself, or all files of a folder, in no order.
 std::vector<fs::path> files_of(const fs::path& path) {
   if (!fs::is_directory(path)) return {path};
   std::vector<fs::path> files;
@@ -42,13 +42,17 @@ uint64_t size_of(const fs::path& path) {
   return sum;
 }
 
-std::string hash_of(const fs::path& path) {
-  std::vector<fs::path> files = files_of(path);
-  std::sort(files.begin(), files.end());
+std::string hash_of(const fs::path& path) { return hash_of_all({path}); }
+
+std::string hash_of_all(const std::vector<fs::path>& paths) {
   const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(),
                                                                               XXH3_freeState);
   XXH3_128bits_reset(state.get());
-  for (const fs::path& file : files) hash_into(*state, file);
+  for (const fs::path& path : paths) {
+    std::vector<fs::path> files = files_of(path);
+    std::sort(files.begin(), files.end());
+    for (const fs::path& file : files) hash_into(*state, file);
+  }
   const XXH128_hash_t h = XXH3_128bits_digest(state.get());
   char text[40];
   std::snprintf(text, sizeof text, "xxh3:%016llx%016llx", static_cast<unsigned long long>(h.high64),

@@ -38,6 +38,8 @@ class LogReader : public BeamSource {
   size_t size() const override;
   void rewind() override;
   bool next(BeamLog& chunk) override;
+  /// From now on, `next` gives the rows [first, end) of the file alone, and does not read others.
+  void keep_rows(size_t first, size_t end);
   /// Returns the rows [first, first + n) of the file, wherever `next` is; several threads may call
   /// it at once. Throws `std::invalid_argument` where there are no such rows, and `FormatError` for
   /// a row that `next` would leave out.

@@ -28,7 +28,7 @@ bool LogWindow::has(const BeamLog& log, size_t i) const {
 
 struct LogReader::State {
   State(const std::filesystem::path& path, size_t chunk)
-      : file(open_rows(path)), chunk_size(std::max<size_t>(chunk, 1)) {}
+      : file(open_rows(path)), chunk_size(std::max<size_t>(chunk, 1)), end(file->size()) {}
 
   // Existing columns are used again, so that a pass over a long log allocates only once.
   void prepare(BeamLog& chunk, size_t n) const {
@@ -46,7 +46,7 @@ struct LogReader::State {
   void drop(const std::vector<uint8_t>& fault, BeamLog& chunk);
 
   std::unique_ptr<LogRows> file;
-  size_t chunk_size, at = 0;
+  size_t chunk_size, first = 0, end, at = 0;
   std::map<std::string, size_t> skipped;
 };
 
@@ -77,14 +77,20 @@ const std::string& LogReader::provenance() const { return state_->file->comments
 const std::map<std::string, size_t>& LogReader::skipped() const { return state_->skipped; }
 
 void LogReader::rewind() {
-  state_->at = 0;
+  state_->at = state_->first;
   state_->skipped.clear();
+}
+
+void LogReader::keep_rows(size_t first, size_t end) {
+  state_->end = std::min(end, state_->file->size());
+  state_->first = std::min(first, state_->end);
+  rewind();
 }
 
 bool LogReader::next(BeamLog& chunk) {
   State& s = *state_;
   do {
-    const size_t n = std::min(s.chunk_size, s.file->size() - s.at);
+    const size_t n = std::min(s.chunk_size, s.end - s.at);
     s.prepare(chunk, n);
     if (n == 0) return false;
     std::vector<uint8_t> fault(n);

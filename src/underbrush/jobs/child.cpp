@@ -51,6 +51,9 @@ ChildEnd run_child(std::vector<std::string> words, const std::filesystem::path& 
   ChildEnd out;
   out.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   out.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  for (const timeval& t : {used.ru_utime, used.ru_stime}) {
+    out.processor_s += double(t.tv_sec) + 1e-6 * double(t.tv_usec);
+  }
   out.peak_memory_bytes = uint64_t(used.ru_maxrss) * 1024;
   return out;
 }

@@ -12,6 +12,7 @@ namespace underbrush::jobs {
 struct ChildEnd {
   int exit_code = 0;  ///< 128 and the signal's number where a signal ended it.
   double seconds = 0;
+  double processor_s = 0;  ///< s; of all its threads.
   uint64_t peak_memory_bytes = 0;
 };
 

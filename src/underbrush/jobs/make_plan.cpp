@@ -6,8 +6,9 @@
 #include "underbrush/io/hash.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/io/poses.hpp"
-#include "underbrush/jobs/plan.hpp"
+#include "underbrush/jobs/fit_tasks.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
+#include "underbrush/primitives/annotation.hpp"
 #include "underbrush/regions/open_regions.hpp"
 #include "underbrush/regions/site_folder.hpp"
 #include "underbrush/sensor/sensor.hpp"
@@ -76,14 +77,6 @@ Command taken_apart(const std::vector<std::string>& words) {
   return out;
 }
 
-std::string value_of(const std::vector<std::string>& words, const std::string& option) {
-  for (size_t k = 0; k < words.size(); ++k) {
-    if (words[k] == option && k + 1 < words.size()) return words[k + 1];
-    if (words[k].starts_with(option + "=")) return words[k].substr(option.size() + 1);
-  }
-  return {};
-}
-
 /// Makes the plan of one command after the other.
 class Planner {
  public:
@@ -93,6 +86,7 @@ class Planner {
     const Command command = taken_apart(words);
     Task task;
     task.command = command.words;
+    task.command_number = commands_++;
     task.inputs = inputs_of(command.words);
     const std::string seed = value_of(command.words, "--seed");
     try {
@@ -148,10 +142,26 @@ class Planner {
       const size_t first = words[k].find(':'), last = words[k].rfind(':');  // MODEL:POSES:MATERIAL
       if (first != last) add(words[k].substr(first + 1, last - first - 1));
     }
+    if (words[0] == "compose") add_annotated(found);
     for (const std::string& path : found) {
-      if (!plan_.inputs.contains(path)) plan_.inputs[path] = {io::hash_of(path), io::size_of(path)};
+      if (plan_.inputs.contains(path)) continue;
+      plan_.inputs[path] = {io::hash_of_all(regions::hashed_parts(path)), io::size_of(path)};
     }
     return {found.begin(), found.end()};
+  }
+
+  /// Adds the grounds and trajectories that annotations name.
+  static void add_annotated(std::set<std::string>& found) {
+    std::set<std::string> named;
+    for (const std::string& path : found) {
+      if (!path.ends_with(".json")) continue;
+      const primitives::Annotation a = primitives::read_annotation(path, true);
+      named.insert(a.ground.string());
+      for (const primitives::PlacedObject& o : a.objects) {
+        if (!o.trajectory.empty()) named.insert(o.trajectory.string());
+      }
+    }
+    found.merge(named);
   }
 
   void add_whole(Task task, const Command& command) {
@@ -165,12 +175,18 @@ class Planner {
   }
 
   void add_pieces(const Task& whole, const Command& command) {
-    require(command.words[0] == "simulate", "pieces are of simulate, whose beams are independent");
+    const bool is_fit = command.words[0] == "fit";
+    require(is_fit || command.words[0] == "simulate", "pieces are of simulate and of fit");
     require(command.outputs.size() == 1 && command.outputs[0].option != "--json",
-            "a command that is cut into pieces has one output, the log");
-    for (const char* option : {"--profile", "--waveforms", "--rig", "--config", "--beams"}) {
+            "a command that is cut into pieces has one output, the log or the model");
+    for (const char* option :
+         {"--profile", "--waveforms", "--rig", "--config", "--beams", "--update", "--stage"}) {
       if (value_of(command.words, option).empty()) continue;
       throw std::invalid_argument(std::string(option) + " is not for pieces");
+    }
+    if (is_fit) {
+      plan_.results.push_back({command.outputs[0].path, {add_fit(whole, pieces_, plan_)}, 0, 0});
+      return;
     }
     const std::unique_ptr<BeamSource> beams = beams_of(command.words);
     BeamLog chunk;
@@ -201,7 +217,7 @@ class Planner {
   }
 
   Plan& plan_;
-  size_t pieces_;
+  size_t pieces_, commands_ = 0;
   std::set<std::string> results_;
 };
 

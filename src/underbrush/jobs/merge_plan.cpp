@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/temporary.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/export.hpp"
 #include "underbrush/io/json_text.inl"
@@ -42,6 +43,7 @@ void copy(const fs::path& from, const std::string& to) {
 }  // namespace
 
 void merge_plan(const fs::path& folder, const Plan& plan) {
+  const TemporaryPath cleans(folder, "merge");  // Removes what killed tasks have left.
   std::vector<Record> records;
   for (size_t k = 0; k < plan.tasks.size(); ++k) {
     const std::optional<Record> record = checked_record(folder, plan, k);
@@ -51,6 +53,14 @@ void merge_plan(const fs::path& folder, const Plan& plan) {
                         failed ? "failed: plan --status has its last lines" : "was not run");
     }
     records.push_back(*record);
+  }
+  for (size_t k = 0; k < plan.tasks.size(); ++k) {
+    for (size_t e = 0; e < records[k].earlier.size(); ++e) {
+      const EarlierOutput& from = plan.tasks[k].earlier[e];
+      if (records[k].earlier[e] == records[from.task].outputs[from.output].hash) continue;
+      throw FormatError(folder.string(), "task " + std::to_string(k),
+                        "was made from another output of task " + std::to_string(from.task));
+    }
   }
   for (const Result& result : plan.results) {
     std::vector<fs::path> files;

@@ -24,15 +24,25 @@ struct TaskOutput {
   std::string name;    ///< Its file name.
 };
 
+/// What a task takes of a task of an earlier stage.
+struct EarlierOutput {
+  std::string option;  ///< The option of the command that gets the path.
+  size_t task = 0;
+  size_t output = 0;  ///< The number of the output among those of that task.
+};
+
 /// A command that depends on no other task of its stage.
 struct Task {
   size_t stage = 0;  ///< Tasks of a stage run once all of the stages before are done.
   std::vector<std::string> command;  ///< The words after the program's name, without outputs.
   std::vector<std::string> inputs;   ///< Paths, as the command names them.
+  std::vector<EarlierOutput> earlier;
   std::vector<TaskOutput> outputs;
   uint64_t seed = 1;
-  double seconds = 0;         ///< s; a rough guess of one core's time.
-  uint64_t memory_bytes = 0;  ///< A rough guess of the most memory.
+  double seconds = 0;         ///< s; one core's time, roughly guessed or estimated (`estimate`).
+  uint64_t memory_bytes = 0;  ///< The most memory, likewise.
+  uint64_t output_bytes = 0;  ///< What it makes; known of estimates alone.
+  size_t command_number = 0;  ///< The number of the job's command; not in the plan's file.
 };
 
 /// A file or folder that `merge` makes: an output of one task, or the logs of several, joined.
@@ -52,9 +62,10 @@ struct Plan {
 };
 
 /// Makes the plan of a job: counts the beams of commands that are cut, and hashes all inputs, which
-/// are the words of the command that name a file or folder. Throws `std::invalid_argument` for a
-/// verb whose tasks are not independent, for a command without output, and for two results of one
-/// name; throws what the readers of logs throw.
+/// are the words of the command that name a file or folder. A fit that is cut becomes tasks of its
+/// stages (`run_fit_stage`). Throws `std::invalid_argument` for a verb whose tasks are not
+/// independent, for a command without output, and for two results of one name; throws what the
+/// readers of logs throw.
 Plan make_plan(const Job& job, const std::string& program);
 
 /// Writes a plan's folder, whole or not at all. Throws `IoError`, also where something stands

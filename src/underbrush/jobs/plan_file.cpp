@@ -27,13 +27,19 @@ Json json_of(const Plan& plan) {
     for (const TaskOutput& o : task.outputs) {
       outputs.push_back({{"option", o.option}, {"name", o.name}});
     }
+    Json earlier = Json::array();
+    for (const EarlierOutput& e : task.earlier) {
+      earlier.push_back({{"option", e.option}, {"task", e.task}, {"output", e.output}});
+    }
     j["tasks"].push_back({{"stage", task.stage},
                           {"command", task.command},
                           {"inputs", task.inputs},
+                          {"earlier", earlier},
                           {"outputs", outputs},
                           {"seed", task.seed},
                           {"seconds", task.seconds},
-                          {"memory_bytes", task.memory_bytes}});
+                          {"memory_bytes", task.memory_bytes},
+                          {"output_bytes", task.output_bytes}});
   }
   j["results"] = Json::array();
   for (const Result& r : plan.results) {
@@ -56,6 +62,9 @@ Task task_of(const JsonValue& value) {
   task.stage = value.at("stage").count();
   task.command = texts_of(value.at("command"));
   task.inputs = texts_of(value.at("inputs"));
+  for (const JsonValue& e : value.at("earlier").values()) {
+    task.earlier.push_back({e.at("option").text(), e.at("task").count(), e.at("output").count()});
+  }
   for (const JsonValue& o : value.at("outputs").values()) {
     task.outputs.push_back({o.at("option").text(), o.at("name").text()});
     const fs::path name = task.outputs.back().name;
@@ -66,6 +75,7 @@ Task task_of(const JsonValue& value) {
   task.seed = value.at("seed").count();
   task.seconds = value.at("seconds").number();
   task.memory_bytes = value.at("memory_bytes").count();
+  task.output_bytes = value.at("output_bytes").count();
   return task;
 }
 
@@ -83,6 +93,15 @@ Result result_of(const JsonValue& value, const Plan& plan) {
     if (result.output >= plan.tasks[task].outputs.size()) value.at("output").fail("no such output");
   }
   return result;
+}
+
+/// Fails where a task takes what no task of an earlier stage makes.
+void check_earlier(const Task& task, const Plan& plan, const JsonValue& value) {
+  for (const EarlierOutput& e : task.earlier) {
+    const bool is_made = e.task < plan.tasks.size() && plan.tasks[e.task].stage < task.stage &&
+                         e.output < plan.tasks[e.task].outputs.size();
+    if (!is_made) value.at("earlier").fail("no task of an earlier stage makes it");
+  }
 }
 
 }  // namespace
@@ -113,11 +132,13 @@ Plan read_plan(const fs::path& folder) {
     const JsonValue input = inputs.at(path.c_str());
     plan.inputs[path] = {input.at("hash").text(), input.at("bytes").count()};
   }
-  for (const JsonValue& task : root.at("tasks").values()) plan.tasks.push_back(task_of(task));
-  for (const Task& task : plan.tasks) {
-    for (const std::string& path : task.inputs) {
+  const std::vector<JsonValue> tasks = root.at("tasks").values();
+  for (const JsonValue& task : tasks) plan.tasks.push_back(task_of(task));
+  for (size_t k = 0; k < tasks.size(); ++k) {
+    for (const std::string& path : plan.tasks[k].inputs) {
       if (!plan.inputs.contains(path)) inputs.fail("has no " + in_quotes(path));
     }
+    check_earlier(plan.tasks[k], plan, tasks[k]);
   }
   for (const JsonValue& r : root.at("results").values()) {
     plan.results.push_back(result_of(r, plan));

@@ -13,6 +13,8 @@ PlanStatus status_of(const std::filesystem::path& folder, const Plan& plan, bool
       if (const auto record = checked_record(folder, plan, k, outputs)) {
         out.done.push_back(k);
         out.seconds += record->seconds;
+        out.processor_s += record->processor_s;
+        out.output_bytes += record->output_bytes;
         out.peak_memory_bytes = std::max(out.peak_memory_bytes, record->peak_memory_bytes);
       } else if (const auto failure = read_failure(folder, k)) {
         out.failed.push_back(k);

@@ -12,7 +12,9 @@ struct PlanStatus {
   std::map<size_t, std::string> wrong;
   std::map<size_t, Failure> failures;  ///< The records of the tasks in `failed`.
   double seconds = 0;                  ///< s; the sum of what the tasks took that are done.
+  double processor_s = 0;              ///< s; the same of processors.
   uint64_t peak_memory_bytes = 0;      ///< The most memory that one of them took.
+  uint64_t output_bytes = 0;           ///< The bytes of all that they made.
 };
 
 /// Returns how far a plan's tasks are; `outputs` also compares the outputs' bytes with the records.

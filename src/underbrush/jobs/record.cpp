@@ -26,6 +26,7 @@ Record record_of(const JsonValue& root) {
   for (const std::string& path : inputs.member_names()) {
     out.inputs[path] = inputs.at(path.c_str()).text();
   }
+  for (const JsonValue& hash : root.at("earlier").values()) out.earlier.push_back(hash.text());
   for (const JsonValue& o : root.at("outputs").values()) {
     const fs::path& path = o.at("path").text();
     if (path.is_absolute() || *path.begin() != kOutputs || path.lexically_normal() != path) {
@@ -34,7 +35,9 @@ Record record_of(const JsonValue& root) {
     out.outputs.push_back({o.at("path").text(), o.at("hash").text()});
   }
   out.seconds = root.at("seconds").number();
+  out.processor_s = root.at("processor_s").number();
   out.peak_memory_bytes = root.at("peak_memory_bytes").count();
+  out.output_bytes = root.at("output_bytes").count();
   return out;
 }
 
@@ -47,6 +50,7 @@ const char* lie_of(const Record& record, const fs::path& folder, const Plan& pla
   std::map<std::string, std::string> inputs;
   for (const std::string& path : task.inputs) inputs[path] = plan.inputs.at(path).hash;
   if (record.inputs != inputs) return "its inputs are not those of the plan";
+  if (record.earlier.size() != task.earlier.size()) return "its earlier outputs are missing";
   if (record.outputs.size() != task.outputs.size()) return "it has not the task's outputs";
   for (size_t k = 0; k < record.outputs.size(); ++k) {
     if (fs::path(record.outputs[k].path).filename() != task.outputs[k].name) {
@@ -63,12 +67,14 @@ std::string hash_of_plan(const fs::path& folder) { return io::hash_of(folder / k
 void write_record(const fs::path& folder, size_t task, const Record& record) {
   Json j = {{"format", kRecordFormat}, {"version", kPlanVersion},   {"task", task},
             {"plan", record.plan},     {"program", record.program}, {"command", record.command},
-            {"inputs", record.inputs}, {"outputs", Json::array()}};
+            {"inputs", record.inputs}, {"earlier", record.earlier}, {"outputs", Json::array()}};
   for (const MadeOutput& o : record.outputs) {
     j["outputs"].push_back({{"path", o.path}, {"hash", o.hash}});
   }
   j["seconds"] = record.seconds;
+  j["processor_s"] = record.processor_s;
   j["peak_memory_bytes"] = record.peak_memory_bytes;
+  j["output_bytes"] = record.output_bytes;
   io::write_atomically(record_file(folder, task), io::text_of_json(j, 1) + "\n");
 }
 

@@ -22,9 +22,12 @@ struct Record {
   std::string program;
   std::vector<std::string> command;
   std::map<std::string, std::string> inputs;  ///< The hash of each, by path.
+  std::vector<std::string> earlier;           ///< The hashes of what earlier tasks made.
   std::vector<MadeOutput> outputs;            ///< In the order of the task's.
   double seconds = 0;
+  double processor_s = 0;
   uint64_t peak_memory_bytes = 0;
+  uint64_t output_bytes = 0;
 };
 
 /// The record of a task that failed.

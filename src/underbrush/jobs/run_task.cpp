@@ -8,6 +8,7 @@
 #include "underbrush/io/hash.hpp"
 #include "underbrush/jobs/child.hpp"
 #include "underbrush/jobs/plan_folder.hpp"
+#include "underbrush/regions/world_folder.hpp"
 
 namespace underbrush::jobs {
 namespace fs = std::filesystem;
@@ -30,10 +31,34 @@ std::map<std::string, std::string> checked_inputs(const Plan& plan, const Task& 
     if (!fs::exists(path)) {
       throw FormatError(path, "", "missing: run tasks where the plan was made");
     }
-    out[path] = io::hash_of(path);
+    out[path] = io::hash_of_all(regions::hashed_parts(path));
     if (out[path] != plan.inputs.at(path).hash) {
       throw FormatError(path, "", "not what it was when the plan was made: its hash differs");
     }
+  }
+  return out;
+}
+
+/// What earlier tasks have left for a task, as the words of its command and their hashes.
+struct Earlier {
+  std::vector<std::string> words, hashes;
+};
+
+Earlier earlier_of(const fs::path& folder, const Plan& plan, const Task& task) {
+  Earlier out;
+  std::map<size_t, Record> records;
+  for (const EarlierOutput& e : task.earlier) {
+    if (!records.contains(e.task)) {
+      const auto record = checked_record(folder, plan, e.task);
+      if (!record) {
+        throw FormatError(folder.string(), "task " + std::to_string(e.task),
+                          "was not run, and this task needs what it makes");
+      }
+      records[e.task] = *record;
+    }
+    const MadeOutput& made = records[e.task].outputs[e.output];
+    out.words.push_back(e.option + "=" + (folder / made.path).string());
+    out.hashes.push_back(made.hash);
   }
   return out;
 }
@@ -70,12 +95,16 @@ TaskEnd run_task(const fs::path& folder, size_t number, const std::string& progr
   }
   if (const auto record = true_record(folder, plan, number)) return {false, *record, {}};
   const Task& task = plan.tasks[number];
+  const Earlier earlier = earlier_of(folder, plan, task);
   TaskEnd out{
-      true, {hash_of_plan(folder), version, task.command, checked_inputs(plan, task), {}}, {}};
+      true,
+      {hash_of_plan(folder), version, task.command, checked_inputs(plan, task), earlier.hashes, {}},
+      {}};
   const TemporaryPath temporary(folder, "task");
   make_temporary_folders(temporary.path());
   std::vector<std::string> words{program};
   words.insert(words.end(), task.command.begin(), task.command.end());
+  words.insert(words.end(), earlier.words.begin(), earlier.words.end());
   for (const TaskOutput& o : task.outputs) {
     words.insert(words.end(), {o.option, (temporary.path() / o.name).string()});
   }
@@ -92,9 +121,11 @@ TaskEnd run_task(const fs::path& folder, size_t number, const std::string& progr
     return out;
   }
   out.record.seconds = end.seconds;
+  out.record.processor_s = end.processor_s;
   out.record.peak_memory_bytes = end.peak_memory_bytes;
   for (const TaskOutput& o : task.outputs) {
     out.record.outputs.push_back({o.name, io::hash_of(temporary.path() / o.name)});
+    out.record.output_bytes += io::size_of(temporary.path() / o.name);
   }
   const fs::path place = placed(temporary.path(), folder, number);
   for (MadeOutput& o : out.record.outputs) o.path = (place / o.path).string();

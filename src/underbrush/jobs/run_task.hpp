@@ -18,7 +18,7 @@ struct TaskEnd {
 /// all cores), in the working directory, from which the plan was made. A task whose record stands
 /// and agrees with its outputs is not run again. Several processes may run the same task: its
 /// outputs have names of their contents, and appear whole. Throws `FormatError` where an input is
-/// not what was planned, and `IoError`.
+/// not what was planned or an earlier task is not done, and `IoError`.
 TaskEnd run_task(const std::filesystem::path& folder, size_t number, const std::string& program,
                  const std::string& version, int threads);
 

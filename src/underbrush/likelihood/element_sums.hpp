@@ -23,6 +23,8 @@ class FixedSum {
   void add_shared(double term);
   void multiply(unsigned factor) { bits_ *= factor; }
   double value() const { return double(bits_) * 0x1p-26; }
+  int64_t bits() const { return bits_; }
+  bool operator==(const FixedSum&) const = default;
 
  private:
   int64_t bits_ = 0;
@@ -107,10 +109,18 @@ class ElementSums {
   /// The sums of a mesh of the model, the ground or the surface.
   NoiseSums noise(elements::Kind mesh) const;
 
+  /// The sums as they are kept, without the meshes' noise: hits, passes, slope and curvature of
+  /// each triangle, and the fields of each ellipsoid (`SumField`).
+  using TriangleRow = std::array<FixedSum, 4>;
+  using EllipsoidRow = std::array<int64_t, kSumRow>;
+  std::vector<TriangleRow>& triangle_rows() { return triangles_; }
+  std::vector<EllipsoidRow>& ellipsoid_rows() { return ellipsoids_; }
+  const std::vector<TriangleRow>& triangle_rows() const { return triangles_; }
+  const std::vector<EllipsoidRow>& ellipsoid_rows() const { return ellipsoids_; }
+
  private:
-  /// Hits, passes, slope and curvature of each triangle.
-  std::vector<std::array<FixedSum, 4>> triangles_;
-  std::vector<std::array<int64_t, kSumRow>> ellipsoids_;
+  std::vector<TriangleRow> triangles_;
+  std::vector<EllipsoidRow> ellipsoids_;
   std::vector<uint8_t> locks_;  ///< Locks as those of `SumTable`.
   std::array<MeshNoise, 2> noise_;
 };

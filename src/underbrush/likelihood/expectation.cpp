@@ -201,29 +201,38 @@ PassTotals find_shares(const ModelForm& model, const BeamBlock& block,
   return totals_of(model, block, max_range_m, &soft, shares, sums);
 }
 
-Expectation expect(const trace::World& world, const ListedBeams& beams, credit::BeamShare share,
-                   const trace::OutlierShares& soft,
-                   const std::function<void(size_t, size_t)>& progress) {
+PassSums pass_over_training(const trace::World& world, const ListedBeams& beams,
+                            credit::BeamShare share, const trace::OutlierShares& soft,
+                            const std::function<void(size_t, size_t)>& progress) {
   const elements::Model& model = world.model();
   const LogInfo& info = beams.info();
   const ModelForms forms(model, info.min_range_m);
   const ModelForm form = forms.view();
-  Expectation out;
-  out.sums = ElementSums(model);
-  PassTotals totals;
-  size_t done = 0;
+  PassSums out{ElementSums(model), {}, 0};
   beams.for_each(share, [&](std::span<const ListedBeam> block) {
-    totals.add(pass_over(world, form, info, block, &soft, &out.sums));
-    done += block.size();
-    if (progress) progress(done, beams.training_beams() / share.weight());
+    out.totals.add(pass_over(world, form, info, block, &soft, &out.elements));
+    out.beams += block.size();
+    if (progress) progress(out.beams, beams.training_beams() / share.weight());
   });
-  out.sums.add_noise(elements::Kind::kGround, totals.noise[0]);
-  out.sums.add_noise(elements::Kind::kSurface, totals.noise[1]);
-  out.sums.multiply(share.weight());
-  const double count = std::max<double>(1, double(done));
-  out.nll = totals.loss.value() / count;
-  out.stray_hits = totals.stray_hits.value() / count;
   return out;
+}
+
+Expectation expectation_of(PassSums sums, credit::BeamShare share) {
+  Expectation out;
+  out.sums = std::move(sums.elements);
+  out.sums.add_noise(elements::Kind::kGround, sums.totals.noise[0]);
+  out.sums.add_noise(elements::Kind::kSurface, sums.totals.noise[1]);
+  out.sums.multiply(share.weight());
+  const double count = std::max<double>(1, double(sums.beams));
+  out.nll = sums.totals.loss.value() / count;
+  out.stray_hits = sums.totals.stray_hits.value() / count;
+  return out;
+}
+
+Expectation expect(const trace::World& world, const ListedBeams& beams, credit::BeamShare share,
+                   const trace::OutlierShares& soft,
+                   const std::function<void(size_t, size_t)>& progress) {
+  return expectation_of(pass_over_training(world, beams, share, soft, progress), share);
 }
 
 ElementSums held_out_sums(const trace::World& world, const ListedBeams& beams,

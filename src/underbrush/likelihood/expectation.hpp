@@ -29,6 +29,14 @@ struct PassTotals {
   void add(const PassTotals& other);
 };
 
+/// Exact sums of a pass over some training beams. The sums of the parts of a log, added in any
+/// order, are the sums of the whole.
+struct PassSums {
+  ElementSums elements;
+  PassTotals totals;
+  uint64_t beams = 0;
+};
+
 /// The columns of the meetings of a run of beams.
 class RunColumns {
  public:
@@ -56,10 +64,18 @@ PassTotals find_shares(const ModelForm& model, const BeamBlock& block,
                        const trace::OutlierShares& soft, double max_range_m, BlockShares& shares,
                        ElementSums* sums);
 
-/// Makes one pass over a share of the training beams of a log, in a world of one model. The sums
-/// count each beam `share.weight()` times, so that their means are those of all beams. `soft` has
+/// Makes one pass over a share of the training beams of a log, in a world of one model. `soft` has
 /// the outlier shares under which credit is given to elements. `progress(done, total)` may be
 /// empty.
+PassSums pass_over_training(const trace::World& world, const ListedBeams& beams,
+                            credit::BeamShare share, const trace::OutlierShares& soft,
+                            const std::function<void(size_t, size_t)>& progress = {});
+
+/// Returns the result of a pass over all of a share. Its sums count each beam `share.weight()`
+/// times, so that their means are those of all beams.
+Expectation expectation_of(PassSums sums, credit::BeamShare share);
+
+/// Returns `expectation_of` what `pass_over_training` sums up.
 Expectation expect(const trace::World& world, const ListedBeams& beams, credit::BeamShare share,
                    const trace::OutlierShares& soft,
                    const std::function<void(size_t, size_t)>& progress = {});

@@ -2,9 +2,11 @@
 /// This file has the fitter `likelihood`, which refines a model by expectation–maximisation on the
 /// ray model.
 #pragma once
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "underbrush/likelihood/expectation.hpp"
@@ -13,6 +15,9 @@
 namespace underbrush {
 /// The refinement of a model by the likelihood of the beams of a log.
 namespace likelihood {
+
+/// The memory for the training beams of a refinement, bytes.
+inline constexpr size_t kListBytes = size_t(1) << 29;
 
 /// The options of `refine`.
 struct LikelihoodOptions {
@@ -55,6 +60,51 @@ struct LikelihoodReport {
 struct Refined {
   elements::Model model;
   LikelihoodReport report;
+};
+
+/// A model and its elements as beams search them.
+struct TracedModel {
+  explicit TracedModel(elements::Model m) : model(std::move(m)), world(model) {}
+  elements::Model model;
+  trace::World world;
+};
+
+/// A refinement between two passes over the training beams.
+struct Refinement {
+  std::shared_ptr<TracedModel> best;  ///< The best model so far.
+  double held_out_nll = 0;            ///< Mean −log f of its held-out beams, nats.
+  trace::OutlierShares soft;          ///< The outliers under which credit is given.
+  LikelihoodReport report;
+  size_t step = 0;      ///< The place of the model in the steps of the report.
+  int round = 0;        ///< M-steps tried so far.
+  double stride = 0.8;  ///< The length of the next one, below 1 because neighbours move at once.
+
+  /// The share of the training beams of which the next M-step needs the sums under the model;
+  /// nothing where no M-step follows.
+  std::optional<credit::BeamShare> wanted(const LikelihoodOptions& options) const;
+};
+
+/// The steps of `refine`, each a function of the refinement so far, so that passes may be made
+/// elsewhere: sums of parts of the training beams (`pass_over_training`), added, are those of all.
+class Refiner {
+ public:
+  /// `start` is the model that the refinement begins with. It, `beams` and `options` must outlive
+  /// the refiner. Of `beams` the held-out ones and the number of training beams count. `moving` is
+  /// as for `refine`. Throws as `refine` does.
+  Refiner(const elements::Model& start, const ListedBeams& beams, const LikelihoodOptions& options,
+          const std::vector<bool>& moving = {});
+  ~Refiner();
+
+  /// Begins with the start with densities.
+  Refinement begin();
+  /// Tries M-steps from the sums of the share that `wanted` names, until other sums are wanted.
+  void maximise(Refinement& r, const Expectation& seen);
+  /// Corrects the densities by the held-out beams, and returns the final model.
+  Refined finish(Refinement r);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
 };
 
 /// The share of the training beams from which a round of `rounds` takes its M-step. The first steps

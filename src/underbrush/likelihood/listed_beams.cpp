@@ -26,13 +26,14 @@ uint64_t hash_of(const ListedBeam& b) {
 
 ListedBeams::ListedBeams(BeamSource& source, const credit::HeldOut& held_out,
                          const elements::Model& model, size_t most_bytes)
-    : source_(source),
+    : source_(&source),
+      info_(source.info()),
       rule_(held_out),
       origin_(model.origin),
       most_range_m_(std::min(source.info().max_range_m, model.max_range_m)) {
   size_t bytes = 0;
-  source_.rewind();
-  for (BeamLog chunk; source_.next(chunk);) {
+  source.rewind();
+  for (BeamLog chunk; source.next(chunk);) {
     const size_t before = held_out_.size();
     Block block = block_of(chunk, &held_out_);
     const size_t n = chunk.size() - (held_out_.size() - before);
@@ -41,6 +42,16 @@ ListedBeams::ListedBeams(BeamSource& source, const credit::HeldOut& held_out,
     complete_ &= bytes <= most_bytes;
     if (complete_) kept_.push_back(std::move(block));
   }
+  choose_judges();
+}
+
+ListedBeams::ListedBeams(const LogInfo& info, std::vector<ListedBeam> held_out,
+                         size_t training_beams)
+    : info_(info), held_out_(std::move(held_out)), training_beams_(training_beams) {
+  choose_judges();
+}
+
+void ListedBeams::choose_judges() {
   const size_t one_in = 1 + held_out_.size() / kMostJudges;
   if (one_in == 1) return;
   std::copy_if(held_out_.begin(), held_out_.end(), std::back_inserter(judges_),
@@ -92,8 +103,8 @@ void ListedBeams::for_each(credit::BeamShare share,
   for (const Block& block : kept_) use_share(block);
   if (complete_) return;
   size_t number = 0;
-  source_.rewind();
-  for (BeamLog chunk; source_.next(chunk);) {
+  source_->rewind();
+  for (BeamLog chunk; source_->next(chunk);) {
     if (number++ >= kept_.size()) use_share(block_of(chunk, nullptr));
   }
 }

@@ -22,7 +22,10 @@ class ListedBeams {
   ListedBeams(BeamSource& source, const credit::HeldOut& held_out, const elements::Model& model,
               size_t most_bytes);
 
-  const LogInfo& info() const { return source_.info(); }
+  /// The held-out beams of a log of `training_beams` training beams, which are not there.
+  ListedBeams(const LogInfo& info, std::vector<ListedBeam> held_out, size_t training_beams);
+
+  const LogInfo& info() const { return info_; }
   const std::vector<ListedBeam>& held_out() const { return held_out_; }
   /// The held-out beams by which models are compared: of many about 2¹⁶, chosen by a hash.
   const std::vector<ListedBeam>& judges() const { return judges_.empty() ? held_out_ : judges_; }
@@ -42,10 +45,13 @@ class ListedBeams {
   /// Appends beams of a chunk, those that are held out to `held_out` unless it is null.
   Block block_of(const BeamLog& chunk, std::vector<ListedBeam>* held_out) const;
 
-  BeamSource& source_;
+  void choose_judges();
+
+  BeamSource* source_ = nullptr;
+  LogInfo info_;
   credit::HeldOut rule_;
-  Vec3 origin_;
-  double most_range_m_;
+  Vec3 origin_ = Vec3::Zero();
+  double most_range_m_ = 0;
   std::vector<Block> kept_;  ///< The first blocks of training beams.
   std::vector<ListedBeam> held_out_;
   std::vector<ListedBeam> judges_;  ///< Empty if all held-out beams are.

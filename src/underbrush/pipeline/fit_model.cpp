@@ -144,7 +144,14 @@ void set_recorder(const sensor::Sensor& sensor, fit::FitOptions& options) {
 FittedModel fit_model(const FitLog& log, const fit::FitOptions& options,
                       const Provenance& provenance, const fit::FitProgress& progress) {
   const auto start = Clock::now();
-  fit::FitResult fitted = on_log(log, [&] { return fit::fit(log.beams, options, progress); });
+  FittedModel out = completed(on_log(log, [&] { return fit::fit(log.beams, options, progress); }),
+                              log, options, provenance);
+  out.seconds = seconds_since(start);
+  return out;
+}
+
+FittedModel completed(fit::FitResult fitted, const FitLog& log, const fit::FitOptions& options,
+                      const Provenance& provenance) {
   FittedModel out;
   out.model = std::move(fitted.model);
   out.report = std::move(fitted.report);
@@ -164,7 +171,6 @@ FittedModel fit_model(const FitLog& log, const fit::FitOptions& options,
       out.training.logs.push_back(origin.training_log(log.file, options.all_echoes));
     }
   }
-  out.seconds = seconds_since(start);
   return out;
 }
 

@@ -60,6 +60,10 @@ void set_recorder(const sensor::Sensor& sensor, fit::FitOptions& options);
 FittedModel fit_model(const FitLog& log, const fit::FitOptions& options,
                       const Provenance& provenance = {}, const fit::FitProgress& progress = {});
 
+/// Completes the result of a fit of `options` to a log as `fit_model` does.
+FittedModel completed(fit::FitResult fitted, const FitLog& log, const fit::FitOptions& options,
+                      const Provenance& provenance);
+
 /// Options of `update_model`.
 struct UpdateLogOptions {
   update::UpdateOptions how;

@@ -4,6 +4,7 @@
 
 namespace underbrush::regions {
 
+inline constexpr const char* kIndexFile = "index.json";
 inline constexpr const char* kCommonFolder = "common";
 inline constexpr const char* kNumbersFile = "numbers.ply";
 inline constexpr const char* kInstancesFile = "instances.ply";

@@ -7,6 +7,7 @@
 #include "underbrush/core/file.hpp"
 #include "underbrush/io/json_file.hpp"
 #include "underbrush/io/json_text.inl"
+#include "underbrush/regions/files.hpp"
 
 namespace underbrush::regions {
 namespace fs = std::filesystem;
@@ -15,7 +16,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kKinds[] = {"ground", "surface", "ellipsoids"};
-constexpr const char* kFile = "index.json";
 
 Json json_of(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -90,7 +90,7 @@ fs::path folder_of(const Cell2& square) {
   return fs::path("regions") / (std::to_string(square.x) + "_" + std::to_string(square.y));
 }
 
-bool is_world(const fs::path& path) { return fs::is_regular_file(path / kFile); }
+bool is_world(const fs::path& path) { return fs::is_regular_file(path / kIndexFile); }
 
 void write_index(const fs::path& path, const Index& index) {
   Json j;
@@ -110,11 +110,11 @@ void write_index(const fs::path& path, const Index& index) {
   for (size_t k = 0; k < index.regions.size(); ++k) {
     text += (k ? ",\n  " : "\n  ") + io::text_of_json(json_of(index.regions[k]));
   }
-  write_file(path / kFile, text + "\n ]\n}\n");
+  write_file(path / kIndexFile, text + "\n ]\n}\n");
 }
 
 Index read_index(const fs::path& path) {
-  const io::JsonFile json(path / kFile);
+  const io::JsonFile json(path / kIndexFile);
   const io::JsonValue j = json.manifest("underbrush-world", kWorldVersion, "an underbrush world");
   j.check_members({"$schema", "format", "version", "comment", "kind", "side_m", "reflectance",
                    "common_instances", "provenance", "regions"});

@@ -5,6 +5,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
+#include "underbrush/io/hash.hpp"
 #include "underbrush/io/ply.hpp"
 #include "underbrush/regions/files.hpp"
 
@@ -135,7 +136,15 @@ class Assembly {
 
 }  // namespace
 
-WorldFolder::WorldFolder(fs::path path) : path_(std::move(path)), index_(read_index(path_)) {
+std::vector<fs::path> hashed_parts(const fs::path& path) {
+  if (!is_world(path)) return {path};
+  return {path / kIndexFile, path / kCommonFolder};
+}
+
+WorldFolder::WorldFolder(fs::path path)
+    : path_(std::move(path)),
+      index_(read_index(path_)),
+      checked_(new std::atomic<bool>[index_.regions.size()]()) {
   const fs::path folder = path_ / kCommonFolder;
   if (index_.is_scene) {
     common_.scene = elements::read_scene(folder, &common_.info);
@@ -168,7 +177,12 @@ WorldPart WorldFolder::part(std::span<const uint32_t> regions) const {
   Assembly assembly(common_, index_, index_.common_instances);
   for (const uint32_t k : regions) {
     const Region& region = index_.regions.at(k);
-    assembly.add(path_ / folder_of(region.square), region);
+    const fs::path folder = path_ / folder_of(region.square);
+    if (!checked_[k] && io::hash_of(folder) != region.hash) {
+      throw FormatError(folder.string(), "", "not what the index says: its hash differs");
+    }
+    checked_[k] = true;
+    assembly.add(folder, region);
   }
   return std::move(assembly).finish(path_, ground_);
 }

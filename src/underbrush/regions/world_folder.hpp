@@ -1,7 +1,9 @@
 /// \file
 /// The reader of worlds of regions.
 #pragma once
+#include <atomic>
 #include <filesystem>
+#include <memory>
 #include <span>
 
 #include "underbrush/elements/scene_file.hpp"
@@ -18,6 +20,10 @@ struct WorldPart {
   elements::SceneInfo info;
 };
 
+/// What of a world has the hash of the whole: its index, which has the hashes of all regions, and
+/// what the regions have in common. Of another path, the path itself.
+std::vector<std::filesystem::path> hashed_parts(const std::filesystem::path& path);
+
 /// A world on disk.
 class WorldFolder {
  public:
@@ -28,7 +34,8 @@ class WorldFolder {
   /// Bytes of memory that what all regions have in common takes, as an estimate.
   uint64_t common_bytes() const;
   /// Reads regions, which are named by their places in the index and each once. Without regions,
-  /// the part has what all have in common. Throws `FormatError` for a region that is damaged.
+  /// the part has what all have in common. Throws `FormatError` for a region that is damaged, or
+  /// whose hash is not that of the index, which is checked when it is read first.
   WorldPart part(std::span<const uint32_t> regions) const;
   /// Reads all regions: the world as one that was never cut.
   WorldPart whole() const;
@@ -37,6 +44,7 @@ class WorldFolder {
   std::filesystem::path path_;
   Index index_;
   WorldPart common_;
+  std::shared_ptr<std::atomic<bool>[]> checked_;  ///< Whether a region's hash is that of the index.
   /// The vertices of the whole's ground; null where no space is unknown.
   std::shared_ptr<const elements::TriangleMesh> ground_;
 };

@@ -1,0 +1,109 @@
+#include "underbrush/fit/fit_parts.hpp"
+
+#include "underbrush/calibrate/channels.hpp"
+#include "underbrush/calibrate/leaf_angles.hpp"
+#include "underbrush/calibrate/light.hpp"
+#include "underbrush/calibrate/observed_space.hpp"
+#include "underbrush/core/check.hpp"
+#include "underbrush/core/still_beams.hpp"
+#include "underbrush/credit/element_classes.hpp"
+#include "underbrush/elements/model_file.hpp"
+#include "underbrush/fit/parameters.hpp"
+
+namespace underbrush::fit {
+namespace {
+
+/// The memory for the beams of a log that is read once, bytes.
+constexpr size_t kKeptBytes = size_t(3) << 27;
+
+/// Makes the model that `likelihood` starts from, fitted to the beams that are not held out.
+FitResult start_model(BeamSource& source, const FitOptions& options,
+                      const credit::HeldOut& held_out, const FitProgress& progress) {
+  if (elements::is_model(options.start)) return {elements::read_model(options.start), {}, {}};
+  credit::TrainingSource training(source, held_out);
+  return start_of(options).fit(training, start_options(options), progress);
+}
+
+void warn_of_footprint(const FitOptions& options, std::string_view clustering, FitReport& report) {
+  const cluster::Clustering* found = cluster::clustering_named(clustering);
+  if (!options.volumetric.mixture.footprint || (found && found->mixture)) return;
+  report.warnings.push_back(
+      "the sensor's footprint is taken out of the ellipsoids of hierarchical alone, not of those "
+      "of " +
+      std::string(clustering));
+}
+
+}  // namespace
+
+FitResult start_of_refinement(BeamSource& source, const FitOptions& options,
+                              const FitProgress& progress) {
+  FitResult out = start_model(source, options, likelihood_options(options).held_out, progress);
+  StillBeams still(source);
+  LogInfo info = source.info();
+  if (!options.sensor.empty()) {
+    info.sensor = options.sensor;
+    info.sensor_file = options.sensor_file;
+  }
+  out.report.leaf_angles =
+      calibrate::learn_leaf_angles(out.model, still, info, options.min_range_m);
+  return out;
+}
+
+void take_refined(likelihood::Refined refined, const FitOptions& options, FitResult& out) {
+  out.model = std::move(refined.model);
+  out.model.fitter = options.fitter;
+  out.report.likelihood = std::move(refined.report);
+  const likelihood::LikelihoodReport& r = out.report.likelihood;
+  out.report.beams = r.training_beams + r.held_out_beams;
+  out.report.hits += r.held_out_hits;
+  out.report.misses += r.held_out_beams - r.held_out_hits;
+}
+
+FitBeams::FitBeams(BeamSource& source, const FitOptions& options)
+    : rows(source, kKeptBytes),
+      first(rows),
+      ends(options.all_echoes ? static_cast<BeamSource&>(rows) : first),
+      sensor(options.sensor.empty() ? source.info().sensor : options.sensor) {}
+
+ChannelOffsets offsets_of(FitBeams& beams, const FitOptions& options) {
+  if (options.ranges_as_given || beams.sensor.empty()) return {};
+  calibrate::ChannelOptions channels;
+  channels.min_range_m = options.min_range_m;
+  StillBeams still(beams.ends);
+  return calibrate::learn_offsets(still, channels);
+}
+
+const Fitter& checked_fitter(const FitOptions& options) {
+  check_options("fit", parameters(), options);
+  require(options.unknown_cell_m == 0 || options.unknown_cell_m >= 0.25,
+          "fit: unknown-cell must be 0 or at least 0.25 m");
+  return fitter_named(options.fitter);
+}
+
+void learn_the_rest(FitBeams& beams, const FitOptions& options, const Fitter& fitter,
+                    FitResult& out) {
+  CorrectedBeams corrected(beams.ends, out.model.channels);
+  out.model.range_noise_m = options.range_noise_m;
+  out.model.sensor = beams.sensor;
+  out.model.sensor_file =
+      options.sensor.empty() ? corrected.info().sensor_file : options.sensor_file;
+  out.model.all_echoes = options.all_echoes;
+  StillBeams still(corrected);
+  credit::learn_classes(out.model, still);
+  calibrate::learn_light(out.model, still);
+  if (fitter.refines && !options.all_echoes) {
+    keyframes::learn_keyframes(out.model, still, keyframe_options(options));
+  }
+  if (fitter.refines) {
+    calibrate::learn_observed_space(out.model, still,
+                                    {options.unknown_cell_m, options.min_range_m});
+  }
+  if (options.learn_grain) {
+    out.report.grain = calibrate::learn_grain(out.model, beams.first, options.seed);
+    out.report.sway = calibrate::learn_sway(out.model, beams.first, options.seed);
+    out.report.echo_grain = calibrate::learn_grain_of_echoes(out.model, beams.rows, options.seed);
+  }
+  warn_of_footprint(options, fitter.refines ? start_of(options).name : fitter.name, out.report);
+}
+
+}  // namespace underbrush::fit

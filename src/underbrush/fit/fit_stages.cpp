@@ -1,0 +1,76 @@
+#include "underbrush/fit/fit_stages.hpp"
+
+#include "underbrush/core/check.hpp"
+#include "underbrush/core/still_beams.hpp"
+#include "underbrush/fit/fit_parts.hpp"
+#include "underbrush/fit/gather.hpp"
+
+namespace underbrush::fit {
+
+FitStart begin_fit(BeamSource& log, const FitOptions& options, const FitProgress& progress) {
+  require(checked_fitter(options).refines && !options.all_echoes,
+          "fit: only fits by likelihood, of first echoes, have stages");
+  FitBeams beams(log, options);
+  const ChannelOffsets channels = offsets_of(beams, options);
+  CorrectedBeams corrected(beams.ends, channels);
+  FitStart out;
+  out.fitted = start_of_refinement(corrected, options, progress);
+  out.fitted.model.channels = channels;
+  StillBeams still(corrected);
+  const likelihood::ListedBeams listed(still, likelihood_options(options).held_out,
+                                       out.fitted.model, 0);
+  out.held_out = listed.held_out();
+  out.training_beams = listed.training_beams();
+  return out;
+}
+
+likelihood::Refinement begin_refinement(const FitStart& start, const LogInfo& info,
+                                        const FitOptions& options) {
+  const likelihood::LikelihoodOptions how = likelihood_options(options);
+  const likelihood::ListedBeams beams(info, start.held_out, start.training_beams);
+  return likelihood::Refiner(start.fitted.model, beams, how).begin();
+}
+
+likelihood::PassSums sum_of_rows(BeamSource& rows, const likelihood::Refinement& refinement,
+                                 const FitOptions& options, const FitProgress& progress) {
+  const likelihood::LikelihoodOptions how = likelihood_options(options);
+  const elements::Model& model = refinement.best->model;
+  const auto share = refinement.wanted(how);
+  if (!share) return {likelihood::ElementSums(model), {}, 0};
+  FirstEchoes first(rows);
+  CorrectedBeams corrected(first, model.channels);
+  StillBeams still(corrected);
+  const likelihood::ListedBeams beams(still, how.held_out, model, likelihood::kListBytes);
+  return likelihood::pass_over_training(refinement.best->world, beams, *share, refinement.soft,
+                                        stage_of(progress, "sum"));
+}
+
+void take_step(likelihood::Refinement& refinement, likelihood::PassSums sums, const FitStart& start,
+               const LogInfo& info, const FitOptions& options) {
+  const likelihood::LikelihoodOptions how = likelihood_options(options);
+  const auto share = refinement.wanted(how);
+  if (!share) return;
+  const likelihood::ListedBeams beams(info, start.held_out, start.training_beams);
+  likelihood::Refiner(start.fitted.model, beams, how)
+      .maximise(refinement, likelihood::expectation_of(std::move(sums), *share));
+}
+
+FitResult end_fit(BeamSource& log, FitStart start, likelihood::Refinement refinement,
+                  const FitOptions& options) {
+  const Fitter& fitter = checked_fitter(options);
+  const likelihood::LikelihoodOptions how = likelihood_options(options);
+  require(!refinement.wanted(how), "fit: the refinement is not at its end");
+  const likelihood::ListedBeams held_out(log.info(), std::move(start.held_out),
+                                         start.training_beams);
+  likelihood::Refined refined =
+      likelihood::Refiner(start.fitted.model, held_out, how).finish(std::move(refinement));
+  FitResult out = std::move(start.fitted);
+  const ChannelOffsets channels = out.model.channels;
+  take_refined(std::move(refined), options, out);
+  out.model.channels = channels;
+  FitBeams beams(log, options);
+  learn_the_rest(beams, options, fitter, out);
+  return out;
+}
+
+}  // namespace underbrush::fit

@@ -1,0 +1,113 @@
+// Tests of fits in stages: whatever the parts of the log, the model is that of one fit, to the bit.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "fit/two_bushes.hpp"
+#include "underbrush/core/beam_window.hpp"
+#include "underbrush/core/check.hpp"
+#include "underbrush/core/file.hpp"
+#include "underbrush/core/temporary.hpp"
+#include "underbrush/elements/model_file.hpp"
+#include "underbrush/fit/stage_files.hpp"
+#include "underbrush/io/hash.hpp"
+
+namespace underbrush::fit {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string hash_of_model(const fs::path& folder, const elements::Model& model) {
+  elements::write_model(folder, model);
+  return io::hash_of(folder);
+}
+
+/// Fits in stages, each of which knows the others by their files alone, with the sums of so many
+/// parts of the log, in another order each time.
+FitResult fit_in_stages(BeamSource& log, const FitOptions& options, size_t parts,
+                        const fs::path& folder) {
+  const FitStart made = begin_fit(log, options);
+  write_start(folder / "start", made, begin_refinement(made, log.info(), options), options);
+  fs::path latest = folder / "start";
+  for (int round = 0; round < options.likelihood.rounds; ++round) {
+    std::vector<fs::path> files;
+    for (size_t k = 0; k < parts; ++k) {
+      BeamWindow rows(log, log.size() * k / parts, log.size() * (k + 1) / parts);
+      files.push_back(folder / (std::to_string(round) + "-" + std::to_string(k)));
+      write_sums(files.back(), sum_of_rows(rows, read_refinement(latest), options));
+    }
+    std::ranges::rotate(files, files.begin() + round % int(parts));
+    likelihood::Refinement r = read_refinement(latest);
+    likelihood::PassSums sums{likelihood::ElementSums(r.best->model), {}, 0};
+    for (const fs::path& file : files) add_sums(file, sums);
+    take_step(r, std::move(sums), read_start(folder / "start"), log.info(), options);
+    latest = folder / ("step" + std::to_string(round));
+    write_refinement(latest, r);
+  }
+  return end_fit(log, read_start(folder / "start"), read_refinement(latest), options);
+}
+
+TEST(FitStages, GiveTheModelOfOneFit) {
+  const TemporaryPath temporary(fs::temp_directory_path(), "fit_stages");
+  const BeamLog beams = test::drive_past_two_bushes(21, Vec3(100, 20, 3), 20000);
+  MemorySource log(beams, 3000);
+  FitOptions options;
+  options.likelihood.rounds = 3;
+  const FitResult whole = fit(log, options);
+  make_temporary_folders(temporary.path());
+  const std::string expected = hash_of_model(temporary.path() / "whole", whole.model);
+  EXPECT_NE(whole.model.ellipsoids.size(), 0u);
+  for (const size_t parts : {1, 4}) {
+    const fs::path folder = temporary.path() / std::to_string(parts);
+    make_temporary_folders(folder);
+    const FitResult cut = fit_in_stages(log, options, parts, folder);
+    EXPECT_EQ(hash_of_model(folder / "model", cut.model), expected);
+    EXPECT_EQ(cut.report.hits, whole.report.hits);
+    EXPECT_EQ(cut.report.ground_points, whole.report.ground_points);
+    EXPECT_EQ(cut.report.likelihood.steps.size(), whole.report.likelihood.steps.size());
+    EXPECT_EQ(cut.report.warnings, whole.report.warnings);
+    ASSERT_EQ(cut.record.tiles.size(), whole.record.tiles.size());
+    EXPECT_EQ(cut.record.residuals, whole.record.residuals);
+  }
+}
+
+TEST(FitStages, DamagedSumsAreNamed) {
+  const TemporaryPath temporary(fs::temp_directory_path(), "fit_stages");
+  make_temporary_folders(temporary.path());
+  const BeamLog beams = test::drive_past_two_bushes(22, Vec3::Zero(), 3000);
+  MemorySource log(beams);
+  FitOptions options;
+  const FitStart start = begin_fit(log, options);
+  const likelihood::Refinement r = begin_refinement(start, log.info(), options);
+  const fs::path file = temporary.path() / "sums";
+  write_sums(file, sum_of_rows(log, r, options));
+  const auto read = [&](const elements::Model& model) {
+    likelihood::PassSums sums{likelihood::ElementSums(model), {}, 0};
+    add_sums(file, sums);
+    return sums.beams;
+  };
+  EXPECT_EQ(read(r.best->model), start.training_beams);
+  elements::Model fewer = r.best->model;
+  fewer.ellipsoids.pop_back();
+  EXPECT_THROW(read(fewer), FormatError);
+  for (const double share : {0.0, 0.01, 0.5, 0.99}) {
+    const std::string bytes = read_file(file);
+    fs::remove(file);
+    write_file(file, bytes.substr(0, size_t(share * double(bytes.size()))));
+    EXPECT_THROW(read(r.best->model), FormatError);
+    fs::remove(file);
+    write_file(file, bytes);
+  }
+}
+
+TEST(FitStages, AreOfFitsByLikelihoodAlone) {
+  const BeamLog beams = test::drive_past_two_bushes(23, Vec3::Zero(), 1000);
+  MemorySource log(beams);
+  FitOptions options;
+  options.fitter = "surface";
+  EXPECT_THROW(begin_fit(log, options), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace underbrush::fit
