@@ -10,9 +10,9 @@ namespace underbrush::primitives {
 namespace {
 
 constexpr double kCellM = 4;
-constexpr double kRoundingM =
-    2e-3;                        // Boxes are rounded to the millimetre, as their points are not.
-constexpr size_t kBlock = 4096;  // beams
+// Boxes are rounded to the millimetre, as their points are not.
+constexpr double kRoundingM = 2e-3;
+constexpr size_t kBlock = 1024;  // beams
 
 /// The stretch [from_m, to_m] of a beam.
 struct Stretch {
@@ -146,9 +146,9 @@ void measure_beams(BeamSource& labelled, std::vector<PlacedObject>& objects) {
         b.path_m[p.third] += p.path_m;
         b.returns[p.third] += p.is_return;
       }
-      parts[k] = {};
+      parts[k] = std::vector<Part>();  // frees the memory
     };
-    parallel_in_order(blocks, 64, work, finish);
+    parallel_in_order(blocks, 32, work, finish);
   }
   for (PlacedObject& o : objects) {  // to the millimetre, as files keep it
     for (double& path_m : o.beams.path_m) path_m = std::round(path_m * 1000) / 1000;

@@ -25,8 +25,8 @@ enum class Choice {
 /// boxes stand upon each other, as a root of the mean over the quantiles; w = `kPointsWeight`. The
 /// difference r is that of the logarithms of returns per metre in the boxes (`BoxBeams`); v =
 /// `kMatterWeightM`. Where the object or the primitive has no quantiles, d and r are 0; where the
-/// beams of one are not known, r is 0. A primitive that stands within `kVarietyM`
-/// already is passed over if another costs at most `kFitsM` more than the best.
+/// beams of one are not known, r is 0. A primitive that stands within `kVarietyM` already is passed
+/// over if another costs at most `kFitsM` more than the best.
 class Chooser {
  public:
   static constexpr double kPointsWeight = 2, kMatterWeightM = 0.6;

@@ -85,14 +85,17 @@ inline BoxBeams beams_of_json(const io::JsonValue& object) {
     const std::vector<double> read = list.numbers();
     if (read.size() != values->size()) list.fail("must have 3 numbers");
     for (size_t t = 0; t < read.size(); ++t) {
-      if (read[t] < 0) list.fail("must not be negative");
+      if (!(read[t] >= 0 && read[t] < 1e15)) list.fail("must be 0 to 1e15");
       (*values)[t] = read[t];
     }
   }
   return out;
 }
 inline Json json_of_beams(const BoxBeams& beams) {
-  return {{"returns", beams.returns}, {"path_m", beams.path_m}};
+  Json j;
+  for (const double n : beams.returns) j["returns"].push_back(uint64_t(n));
+  j["path_m"] = beams.path_m;
+  return j;
 }
 
 /// Reads an object. Where its position has x and y only, the ground gives z.
