@@ -2,8 +2,8 @@
 # stand before it in this list; underbrush_module() stops the configuration otherwise.
 set(UNDERBRUSH_LAYERS
     core compact io ground movers elements trace sensor radiometry cluster surface credit keyframes likelihood simulate
-    calibrate fit update primitives library test_site sites worlds metrics optimize perception osi actors regions pipeline
-    rasters jobs serve live)
+    calibrate fit update primitives plant_meshes library test_site sites worlds metrics optimize perception osi actors
+    regions pipeline rasters jobs serve live)
 
 # underbrush_module(NAME SOURCES a.cpp ... HEADERS a.hpp ... DEPENDS module ... LINK target ... [OUTER])
 #

@@ -7,6 +7,7 @@
 #include "underbrush/credit/hit_probability.hpp"
 #include "underbrush/likelihood/maximisation.hpp"
 #include "underbrush/metrics/always_hit.hpp"
+#include "underbrush/primitives/adapt.hpp"
 
 namespace underbrush::studies {
 namespace {
@@ -35,7 +36,7 @@ class Climb {
 
   std::vector<Rung> rungs() && {
     composed();
-    stretched_scenes();
+    chosen_scenes();
     own_primitives_scene();
     add("and what stands in no box", pipeline::TracedWorld(test_));
     out_.push_back(
@@ -56,6 +57,11 @@ class Climb {
     options.seed = seed_;
     const primitives::PrimitiveSet set =
         primitives::primitive_set(cut_, primitives::MeasureOptions{}.cell_m);
+    options.choose = primitives::Choice::kBox;
+    const primitives::Composition boxes =
+        primitives::compose(site_.annotation, site_.ground, set, options);
+    add("chosen by the box alone", boxes.scene, boxes.info);
+    options.choose = primitives::Choice::kBest;
     const primitives::Composition first =
         primitives::compose(site_.annotation, site_.ground, set, options);
     add("composed", first.scene, first.info);
@@ -90,50 +96,30 @@ class Climb {
     return out;
   }
 
-  void stretched_scenes() {
-    std::map<std::string, const Primitive*> by_name;
-    const auto entries = primitives::primitive_set(cut_, 1).entries;
-    for (size_t k = 0; k < cut_.size(); ++k) by_name[entries[k].name] = &cut_[k];
-    const primitives::Composition boxes =
-        replaced([&](const PlacedObject& o, uint32_t model) -> std::optional<Model> {
-          const Primitive& p = *by_name.at(composition_.info.names[model]);
-          return stretched(p.model, p.box, o.box);
-        });
-    add("stretched to the boxes", boxes.scene, boxes.info);
+  void chosen_scenes() {
     own_ = own_primitives();
-    const primitives::Composition chosen = replaced(
-        [&](const PlacedObject& o, uint32_t) -> std::optional<Model> { return nearest(o); });
+    entries_ = primitives::primitive_set(cut_, 1).entries;
+    const primitives::Composition chosen = replaced([&](const PlacedObject& o, uint32_t model) {
+      return nearest(o, composition_.scene.models[model]);
+    });
     add("chosen by shape", chosen.scene, chosen.info);
     add("matter of the test log", pipeline::TracedWorld(with_true_matter(chosen.scene)));
   }
 
-  /// The primitive of the object's class, turned by 0 or 180°, that is most like its own.
-  Model nearest(const PlacedObject& o) const {
+  /// The primitive of the object's class that, adapted to the object, is most like the object's
+  /// own; `composed` where the object has none.
+  std::optional<Model> nearest(const PlacedObject& o, const Model& composed) const {
     const auto own = own_.find(place_of(o));
-    Model best;
+    if (own == own_.end()) return composed;
+    Model best = composed;
     double least = INFINITY;
-    for (const Primitive& p : cut_) {
-      if (p.label != o.label && has_class(o.label)) continue;
-      if (elements::kind_of(p.label) != elements::kind_of(o.label)) continue;
-      for (const double sign : {1.0, -1.0}) {
-        Model m = stretched(p.model, p.box, o.box);
-        const Eigen::Vector2d middle = 0.5 * (o.box.min + o.box.max).head<2>();
-        if (sign < 0) turn(middle, m);
-        const double d = own == own_.end() ? (p.box.size() - o.box.size()).norm()
-                                           : shape_distance(m, own->second.model);
-        if (d < least) least = d, best = std::move(m);
-      }
+    for (size_t k = 0; k < cut_.size(); ++k) {
+      if (cut_[k].label != o.label || !primitives::can_adapt(entries_[k], o)) continue;
+      Model m = primitives::adapted(cut_[k].model, entries_[k], o);
+      const double d = shape_distance(m, own->second.model);
+      if (d < least) least = d, best = std::move(m);
     }
     return best;
-  }
-  bool has_class(elements::Class c) const {
-    return std::any_of(cut_.begin(), cut_.end(), [&](const Primitive& p) { return p.label == c; });
-  }
-  static void turn(const Eigen::Vector2d& middle, Model& m) {
-    for (elements::Ellipsoid& e : m.ellipsoids) {
-      e.mean.head<2>() = (2 * middle).cast<float>() - e.mean.head<2>();
-      e.covariance[2] *= -1, e.covariance[4] *= -1;  // xz and yz
-    }
   }
 
   /// The shares of hits of the scene's elements on the test log.
@@ -179,27 +165,13 @@ class Climb {
   Model test_;  ///< The fit of the test log, without keyframes.
   AnnotatedSite site_;
   std::vector<Primitive> cut_;
-  primitives::Composition composition_;  ///< On the ground of the fit.
+  std::vector<primitives::PrimitiveEntry> entries_;  ///< The entries of `cut_`.
+  primitives::Composition composition_;              ///< On the ground of the fit.
   std::map<ObjectPlace, Primitive> own_;
   std::vector<Rung> out_;
 };
 
 }  // namespace
-
-Model stretched(const Model& model, const primitives::Box& from, const primitives::Box& to) {
-  Model out = model.like();
-  const Vec3 scale = to.size().cwiseQuotient(from.size());
-  const auto foot = [](const primitives::Box& b) {
-    return Vec3(0.5 * (b.min.x() + b.max.x()), 0.5 * (b.min.y() + b.max.y()), b.min.z());
-  };
-  for (elements::Ellipsoid e : model.ellipsoids) {
-    const Vec3 mean = scale.cwiseProduct(e.mean.cast<double>() - foot(from)) + foot(to);
-    e.mean = mean.cast<float>();
-    e.set_covariance(scale.asDiagonal() * e.covariance_matrix() * scale.asDiagonal());
-    out.ellipsoids.push_back(e);
-  }
-  return out;
-}
 
 double shape_distance(const Model& a, const Model& b) {
   double sum = 0;

@@ -12,13 +12,9 @@ struct Rung {
 
 /// Composes a scene for a pair as `run_pair` does, makes it true in one respect after the other,
 /// and simulates and scores each world on the beams of `test`. The last rung is always hit, for
-/// comparison. The rungs have the same names and order for every pair.
+/// comparison. The first rung is the scene composed by `primitives::Choice::kBox`. The rungs have
+/// the same names and order for every pair.
 std::vector<Rung> ladder(const SitePair& pair, uint64_t seed);
-
-/// Returns a primitive whose elements are moved and stretched along the axes such that the box
-/// `from` becomes the box `to`. Its triangles are left out.
-elements::Model stretched(const elements::Model& model, const primitives::Box& from,
-                          const primitives::Box& to);
 
 /// Returns the distance between the shapes of two primitives, m: the mean distance from an
 /// ellipsoid of one to the nearest of the other, weighted by hits and averaged over both

@@ -140,7 +140,7 @@ std::vector<SweepPlant> sweep_plants(bool quick, uint64_t seed) {
 std::vector<SweepPlant> given_plants(const std::filesystem::path& folder) {
   std::vector<SweepPlant> out;
   if (!std::filesystem::is_directory(folder)) return out;
-  for (const primitives::PlantSource& source : pipeline::plants_of_files(folder, {})) {
+  for (const plant_meshes::PlantSource& source : pipeline::plants_of_files(folder, {})) {
     SweepPlant plant{std::filesystem::path(source.name).stem().string(), {}, false};
     for (const Vec3f& v : source.vertices) plant.plant.add_vertex(v.cast<double>());
     for (const auto& [a, b, c] : source.triangles) {

@@ -76,9 +76,9 @@ StudyResult study_primitives(const StudyRun& run) {
   PairOptions options;
   options.seed = run.seed;
   const auto add_meshes = [&](const char* name, const char* where,
-                              const std::vector<primitives::PlantSource>& plants) {
+                              const std::vector<plant_meshes::PlantSource>& plants) {
     options.meshes.push_back({name, folder / where});
-    primitives::write_primitives(folder / where, primitives::mesh_primitives(plants), 2, "");
+    primitives::write_primitives(folder / where, plant_meshes::mesh_primitives(plants), 2, "");
   };
   add_meshes(kTrueSpecies, "meshes", pipeline::generated_plants(kMeshSeed));
   add_meshes("meshes (other species)", "meshes-other",

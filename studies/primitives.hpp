@@ -7,8 +7,8 @@
 #include "underbrush/fit/fit.hpp"
 #include "underbrush/metrics/score.hpp"
 #include "underbrush/pipeline/world.hpp"
+#include "underbrush/plant_meshes/mesh_primitives.hpp"
 #include "underbrush/primitives/compose.hpp"
-#include "underbrush/primitives/mesh_primitives.hpp"
 
 namespace underbrush::studies {
 

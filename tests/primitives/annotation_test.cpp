@@ -31,6 +31,7 @@ TEST(Annotation, ComesBack) {
     o.points = 10 * k;
     for (Vec3& q : o.quantiles) q = Vec3(random.uniform(), random.uniform(), random.uniform());
     if (k % 7 == 0) o.quantiles = PlacedObject{}.quantiles;  // not known
+    if (k % 5) o.beams = {{double(k), 0, 3}, {random.uniform(1, 9), 2.5, 1000.125}};
     if (k % 50 == 0) o.trajectory = folder / ("poses" + std::to_string(k) + ".txt");
     a.objects.push_back(o);
   }
@@ -50,6 +51,8 @@ TEST(Annotation, ComesBack) {
     for (size_t q = 0; q < a.objects[k].quantiles.size(); ++q) {
       EXPECT_LT((b.objects[k].quantiles[q] - a.objects[k].quantiles[q]).norm(), 1e-3);
     }
+    EXPECT_EQ(b.objects[k].beams.returns, a.objects[k].beams.returns);
+    EXPECT_EQ(b.objects[k].beams.path_m, a.objects[k].beams.path_m);
     EXPECT_EQ(b.objects[k].trajectory, a.objects[k].trajectory);
   }
   write_annotation(folder / "b.json", b);  // a second writing gives the same bytes
@@ -121,6 +124,15 @@ TEST(Annotation, ThatIsWrongSaysWhere) {
   refused(object(R"("class": "large_tree", "position_m": [1, NaN, 2], )" + box), "line 2", "NaN");
   refused(object(R"("class": "large_tree", "quantiles_m": [[1, 2, 3]], )" + at + "," + box),
           "objects[1].quantiles_m", "5 places");
+  const auto beams = [&](const char* json) {
+    return object(R"("class": "large_tree", "beams": )" + std::string(json) + "," + at + "," + box);
+  };
+  refused(beams(R"({"returns": [1, 2, 3]})"), "objects[1].beams", "'path_m'");
+  refused(beams(R"({"returns": [1, 2], "path_m": [1, 2, 3]})"), "objects[1].beams.returns", "3");
+  refused(beams(R"({"returns": [1, 2, 3], "path_m": [1, -2, 3]})"), "objects[1].beams.path_m",
+          "0 to 1e15");
+  refused(beams(R"({"returns": [1, 2, 3], "path_m": [1, 2, 3], "x": 1})"), "objects[1].beams",
+          "'x'");
   refused(object(R"("class": "large_tree", "position_m": [1, null, 2], )" + box),
           "objects[1].position_m[1]", "finite");
   refused(object(R"("class": "large_tree", "position_m": [1, 1e999, 2], )" + box), "", "JSON");

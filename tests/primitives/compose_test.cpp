@@ -190,6 +190,45 @@ TEST_F(Composing, TheBestChoiceLooksAtWhereThePointsLie) {
   EXPECT_EQ(number(compose(annotation, ground, set, options), 1), 0u);
 }
 
+TEST_F(Composing, TheBestChoiceMovesElementsToWhereThePointsOfTheObjectLie) {
+  for (PrimitiveEntry& e : set.entries) e.quantiles.fill(0.5 * (e.box.min + e.box.max));
+  annotation.objects.resize(60);
+  for (size_t k = 0; k < 60; ++k) {  // 20 objects, three times
+    PlacedObject& o = annotation.objects[k];
+    if (k >= 20) {
+      o.label = annotation.objects[k % 20].label;
+      o.box = annotation.objects[k % 20].box;
+    }
+    o.quantiles.fill(0.5 * (o.box.min + o.box.max));
+    o.position = Vec3(10 + 7 * double(k / 20 % 2), -20 + 7 * double(k / 40), 0);
+  }
+  ComposeOptions options;
+  options.nearest = 1;
+  const GroundSurface surface(ground);
+  const Composition c = compose(annotation, ground, set, options);
+  ASSERT_EQ(c.placed, 60u);
+  for (size_t k = 0; k < 60; ++k) {
+    const PlacedObject& o = annotation.objects[k];
+    const elements::Instance& i = c.scene.instances[k + 1];
+    // The ellipsoid at the foot of the primitive comes to the foot of the object's box.
+    Vec3 foot = i.world_from_model * c.scene.models[i.model].ellipsoids.at(0).mean.cast<double>();
+    foot = o.world_from_object().inverse() * foot;
+    EXPECT_GT(foot.x(), o.box.min.x() - 1e-3);
+    EXPECT_LT(foot.x(), o.box.max.x() + 1e-3);
+    EXPECT_NEAR(i.world_from_model.translation.z(),
+                surface.at(o.position.x(), o.position.y()).value(), 1e-6);
+  }
+  EXPECT_LE(c.scene.models.size(), 1 + 3 * 20u);
+  for (const bool box : {true, false}) {  // Primitives stay as they are.
+    options.choose = box ? Choice::kBox : Choice::kBest;
+    options.scale = !box;
+    const Composition plain = compose(annotation, ground, set, options);
+    for (size_t k = 1; k < plain.scene.models.size(); ++k) {
+      EXPECT_EQ(plain.scene.models[k].ellipsoids.at(0).mean, Vec3f::Zero());
+    }
+  }
+}
+
 TEST_F(Composing, TheBestChoiceRepeatsNoPlantNearbyIfOthersFit) {
   for (PrimitiveEntry& e : set.entries) e.box = set.entries[0].box;  // all fit
   annotation.objects.resize(15);

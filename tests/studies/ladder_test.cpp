@@ -22,24 +22,6 @@ elements::Model random_model(uint64_t seed, size_t n) {
   return m;
 }
 
-TEST(Ladder, StretchingMovesCornersOntoCornersAndComesBack) {
-  const primitives::Box from{Vec3(-1, -2, 0), Vec3(1, 1, 4)}, to{Vec3(-3, 0, 0), Vec3(1, 3, 2)};
-  elements::Model corner;
-  corner.ellipsoids.resize(1);
-  corner.ellipsoids[0].mean = from.max.cast<float>();
-  EXPECT_LT((stretched(corner, from, to).ellipsoids[0].mean.cast<double>() - to.max).norm(), 1e-6);
-  const elements::Model m = random_model(1, 20), there = stretched(m, from, to);
-  const elements::Model back = stretched(there, to, from);
-  for (size_t k = 0; k < m.ellipsoids.size(); ++k) {
-    EXPECT_LT((m.ellipsoids[k].mean - back.ellipsoids[k].mean).norm(), 1e-5);
-    // The volume of an ellipsoid grows as that of the box.
-    const Vec3 scale = to.size().cwiseQuotient(from.size());
-    EXPECT_NEAR(there.ellipsoids[k].covariance_matrix().determinant(),
-                m.ellipsoids[k].covariance_matrix().determinant() * scale.prod() * scale.prod(),
-                1e-6);
-  }
-}
-
 TEST(Ladder, TheDistanceBetweenShapesIsThatOfAShift) {
   elements::Model one = random_model(2, 1), other = one;
   other.ellipsoids[0].mean += Vec3f(0, 3, 4);
@@ -73,7 +55,7 @@ TEST(Ladder, LeadsFromTheComposedSceneToTheFitOfTheTestLog) {
   const SitePair pair = generated_pair(51, 52, true);
   const std::vector<Rung> rungs = ladder(pair, 1);
   ASSERT_GT(rungs.size(), 4u);
-  const metrics::Summary &bottom = rungs[0].score, &top = rungs[rungs.size() - 2].score;
+  const metrics::Summary &bottom = rungs[1].score, &top = rungs[rungs.size() - 2].score;
   EXPECT_LT(top.packet_error_m, bottom.packet_error_m);
   EXPECT_LT(top.cloud_error_m, bottom.cloud_error_m);
   EXPECT_GT(top.informedness, bottom.informedness);

@@ -81,9 +81,9 @@ class OnSites : public testing::Test {
   static void SetUpTestSuite() { pair_ = new SitePair(generated_pair(51, 52, true)); }
   static void TearDownTestSuite() { delete pair_; }
   OnSites() {
-    std::vector<primitives::PlantSource> blocks;
+    std::vector<plant_meshes::PlantSource> blocks;
     for (const double h : {0.5, 4.0}) {
-      primitives::PlantSource block{"block", {}, {}};
+      plant_meshes::PlantSource block{"block", {}, {}};
       for (int k = 0; k < 8; ++k) {
         block.vertices.emplace_back(float((k & 1) * h), float((k >> 1 & 1) * h),
                                     float((k >> 2) * h));
@@ -92,11 +92,11 @@ class OnSites : public testing::Test {
                          {2, 6, 4}, {1, 3, 5}, {3, 7, 5}, {4, 5, 6}, {5, 7, 6}};
       blocks.push_back(block);
     }
-    primitives::MeshPrimitiveOptions meshes;
+    plant_meshes::MeshPrimitiveOptions meshes;
     meshes.most_scaling = 10;
     options.meshes = {{"meshes", folder / "meshes"}};
-    primitives::write_primitives(folder / "meshes", primitives::mesh_primitives(blocks, meshes), 2,
-                                 "");
+    primitives::write_primitives(folder / "meshes", plant_meshes::mesh_primitives(blocks, meshes),
+                                 2, "");
   }
   static SitePair* pair_;
   io::TemporaryFolder folder;

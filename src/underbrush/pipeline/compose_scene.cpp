@@ -65,8 +65,9 @@ std::span<const Option<ComposeOptions>> compose_options() {
   // clang-format off
   static const Option<O> kOptions[] = {
     {"choose", "", "",
-     "Primitive of its class that an object gets: the one with the nearest box; the one whose box "
-     "and points fit best, and no plant twice within 20 m if others fit; or any",
+     "Primitive of its class that an object gets: the one with the nearest box; the one that fits "
+     "best, adapted to where the object's points lie and how many beams it stops, and no plant twice "
+     "within 20 m if others fit; or any",
      [](O& o) -> auto& { return o.choose; }, -kNoLimit, kNoLimit, {"box", "best", "random"}},
     {"nearest", "", "", "Draw each primitive among this many that fit best",
      [](O& o) -> auto& { return o.nearest; }, 1, kNoLimit},

@@ -32,19 +32,19 @@ return kOptions;
 MeshSet mesh_set(const std::vector<std::string>& plants, const MeshesOptions& options) {
   check_options("meshes", meshes_options(), options);
   const PlantFileOptions files{options.unit_m, options.up == "y"};
-  std::vector<primitives::PlantSource> sources;
+  std::vector<plant_meshes::PlantSource> sources;
   MeshSet out;
   for (const std::string& name : plants) {
     const bool generated = name == "generated";
     auto some = generated ? generated_plants(options.meshes.seed, options.variation)
                           : plants_of_files(name, files);
-    for (primitives::PlantSource& plant : some) {
+    for (plant_meshes::PlantSource& plant : some) {
       if (!generated) out.inputs.emplace_back(plant.name);
       sources.push_back(std::move(plant));
     }
   }
   out.plants = sources.size();
-  out.primitives = primitives::mesh_primitives(sources, options.meshes);
+  out.primitives = plant_meshes::mesh_primitives(sources, options.meshes);
   for (const primitives::Primitive& p : out.primitives) {
     for (const primitives::PlantPlacement& plant : p.plants) {
       out.least_scale = std::min(out.least_scale, plant.scale);

@@ -14,10 +14,10 @@ namespace underbrush::pipeline {
 
 /// The options of `meshes`.
 struct MeshesOptions {
-  double variation = 1;                     ///< How much the generated species vary.
-  double unit_m = 1;                        ///< m; length of the files' unit.
-  std::string up = "z";                     ///< The axis that points up in the files, "y" or "z".
-  primitives::MeshPrimitiveOptions meshes;  ///< With the seed, also of the generated plants.
+  double variation = 1;                       ///< How much the generated species vary.
+  double unit_m = 1;                          ///< m; length of the files' unit.
+  std::string up = "z";                       ///< The axis that points up in the files, "y" or "z".
+  plant_meshes::MeshPrimitiveOptions meshes;  ///< With the seed, also of the generated plants.
 };
 
 /// The options of `meshes`.

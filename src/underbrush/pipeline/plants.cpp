@@ -10,9 +10,9 @@ namespace underbrush::pipeline {
 namespace fs = std::filesystem;
 namespace {
 
-primitives::PlantSource read_plant(const fs::path& file, const PlantFileOptions& o) {
+plant_meshes::PlantSource read_plant(const fs::path& file, const PlantFileOptions& o) {
   io::MeshData mesh = io::read_mesh(file);
-  primitives::PlantSource plant{file.string(), {}, std::move(mesh.triangles)};
+  plant_meshes::PlantSource plant{file.string(), {}, std::move(mesh.triangles)};
   for (const Vec3f& v : mesh.vertices) {
     const Vec3f up = o.y_up || io::is_gltf(file) ? Vec3f(v.x(), -v.z(), v.y()) : v;
     plant.vertices.push_back(float(o.unit_m) * up);
@@ -29,9 +29,9 @@ primitives::PlantSource read_plant(const fs::path& file, const PlantFileOptions&
 
 }  // namespace
 
-std::vector<primitives::PlantSource> generated_plants(uint64_t seed, double variation) {
+std::vector<plant_meshes::PlantSource> generated_plants(uint64_t seed, double variation) {
   test_site::PrototypeSet set = test_site::make_prototypes(seed, variation);
-  std::vector<primitives::PlantSource> plants;
+  std::vector<plant_meshes::PlantSource> plants;
   for (const test_site::PrototypeRange& range : {set.trees, set.shrubs, set.tussocks}) {
     for (uint32_t k = range.begin; k < range.end; ++k) {
       test_site::Prototype& p = set.prototypes[k];
@@ -42,8 +42,8 @@ std::vector<primitives::PlantSource> generated_plants(uint64_t seed, double vari
   return plants;
 }
 
-std::vector<primitives::PlantSource> plants_of_files(const fs::path& path,
-                                                     const PlantFileOptions& o) {
+std::vector<plant_meshes::PlantSource> plants_of_files(const fs::path& path,
+                                                       const PlantFileOptions& o) {
   if (!fs::exists(path)) throw FormatError(path.string(), "", "no such file or folder");
   if (!fs::is_directory(path)) return {read_plant(path, o)};
   std::vector<fs::path> files;
@@ -56,7 +56,7 @@ std::vector<primitives::PlantSource> plants_of_files(const fs::path& path,
   if (files.empty())
     throw FormatError(path.string(), "", "holds no .obj, .ply, .gltf or .glb file");
   std::sort(files.begin(), files.end());
-  std::vector<primitives::PlantSource> plants;
+  std::vector<plant_meshes::PlantSource> plants;
   plants.reserve(files.size());
   for (const fs::path& file : files) plants.push_back(read_plant(file, o));
   return plants;

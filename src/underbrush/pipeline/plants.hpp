@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "underbrush/primitives/mesh_primitives.hpp"
+#include "underbrush/plant_meshes/mesh_primitives.hpp"
 
 namespace underbrush::pipeline {
 
@@ -17,12 +17,12 @@ struct PlantFileOptions {
 
 /// Returns the plants from which test sites of that seed are grown: trees, shrubs, tussocks. A
 /// `variation` above 1 changes the species (`test_site::make_prototypes`).
-std::vector<primitives::PlantSource> generated_plants(uint64_t seed, double variation = 1);
+std::vector<plant_meshes::PlantSource> generated_plants(uint64_t seed, double variation = 1);
 
 /// Returns the plants of a file, or of all mesh files below a folder in order of name. A file in a
 /// folder that is named like a class stands for that class at its own size. Throws `FormatError`,
 /// also for a folder without meshes.
-std::vector<primitives::PlantSource> plants_of_files(const std::filesystem::path& path,
-                                                     const PlantFileOptions& options);
+std::vector<plant_meshes::PlantSource> plants_of_files(const std::filesystem::path& path,
+                                                       const PlantFileOptions& options);
 
 }  // namespace underbrush::pipeline

@@ -3,19 +3,27 @@
 #include <algorithm>
 #include <cmath>
 
+#include "underbrush/primitives/adapt.hpp"
+
 namespace underbrush::primitives {
 
 using elements::Class;
 
 namespace {
 
-bool has_quantiles(const std::array<Vec3, 5>& quantiles) {
-  return quantiles != PlacedObject{}.quantiles;
-}
-
 /// The middle of the bottom, in which two boxes agree when one takes the place of the other.
 Vec3 foot_of(const Box& box) {
   return {0.5 * (box.min.x() + box.max.x()), 0.5 * (box.min.y() + box.max.y()), box.min.z()};
+}
+
+/// The logarithm of the returns per metre in a box, near 0 where there are few beams.
+double log_density(const BoxBeams& b) {
+  constexpr double kPrior = 2;
+  return std::log((b.returns[0] + b.returns[1] + b.returns[2] + kPrior) /
+                  (b.path_m[0] + b.path_m[1] + b.path_m[2] + kPrior));
+}
+double matter_difference(const BoxBeams& a, const BoxBeams& b) {
+  return a.known() && b.known() ? std::abs(log_density(a) - log_density(b)) : 0;
 }
 
 }  // namespace
@@ -41,12 +49,13 @@ double Chooser::cost(uint32_t entry, const PlacedObject& o) const {
   const PrimitiveEntry& e = set_.entries[entry];
   const double box_m = (e.box.size() - o.box.size()).norm();
   if (how_ != Choice::kBest) return box_m;
-  if (!has_quantiles(o.quantiles) || !has_quantiles(e.quantiles)) return box_m;
+  if (!can_adapt(e, o)) return box_m;
   double sum = 0;
   for (size_t q = 0; q < o.quantiles.size(); ++q) {
     sum += ((o.quantiles[q] - foot_of(o.box)) - (e.quantiles[q] - foot_of(e.box))).squaredNorm();
   }
-  return box_m + kPointsWeight * std::sqrt(sum / double(o.quantiles.size()));
+  const double points_m = std::sqrt(sum / double(o.quantiles.size()));
+  return box_m + kPointsWeight * points_m + kMatterWeightM * matter_difference(e.beams, o.beams);
 }
 
 bool Chooser::stands_near(uint32_t entry, const Vec3& position) const {

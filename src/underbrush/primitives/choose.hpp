@@ -14,20 +14,22 @@ namespace underbrush::primitives {
 /// How a primitive is chosen among those of the object's class.
 enum class Choice {
   kBox,     ///< The nearest box ‖extents − extents'‖ ([tallavajhula18] §IV).
-  kBest,    ///< The nearest box and points, with variety (`Chooser`).
+  kBest,    ///< The nearest box and points, with variety (`Chooser`), adapted to the object.
   kRandom,  ///< Any.
 };
 
 /// Chooses among the primitives of a set.
 ///
-/// `kBest` takes the primitive of the least cost ‖extents − extents'‖ + w d. The distance d (m) is
-/// that of the quantiles of the points along the axes (`PlacedObject::quantiles`) when the boxes
-/// stand upon each other, as a root of the mean over the quantiles; w = `kPointsWeight`. Where the
-/// object or the primitive has no quantiles, d is 0. A primitive that stands within `kVarietyM`
-/// already is passed over if another costs at most `kFitsM` more than the best.
+/// `kBest` takes the primitive of the least cost ‖extents − extents'‖ + w d + v r. The distance d
+/// (m) is that of the quantiles of the points along the axes (`PlacedObject::quantiles`) when the
+/// boxes stand upon each other, as a root of the mean over the quantiles; w = `kPointsWeight`. The
+/// difference r is that of the logarithms of returns per metre in the boxes (`BoxBeams`); v =
+/// `kMatterWeightM`. Where the object or the primitive has no quantiles, d and r are 0; where the
+/// beams of one are not known, r is 0. A primitive that stands within `kVarietyM` already is passed
+/// over if another costs at most `kFitsM` more than the best.
 class Chooser {
  public:
-  static constexpr double kPointsWeight = 2;
+  static constexpr double kPointsWeight = 2, kMatterWeightM = 0.6;
   static constexpr double kVarietyM = 20, kFitsM = 0.5;  // m
 
   Chooser(const PrimitiveSet& set, Choice how, size_t nearest);

@@ -8,6 +8,7 @@
 #include "underbrush/core/rng.hpp"
 #include "underbrush/io/poses.hpp"
 #include "underbrush/io/text.hpp"
+#include "underbrush/primitives/adapt.hpp"
 
 namespace underbrush::primitives {
 namespace {
@@ -19,6 +20,20 @@ enum Draw : uint32_t { kKeep, kChoose, kShiftX, kShiftY, kTurn };
 double uniform(uint64_t seed, size_t object, size_t copy, Draw what) {
   return uniform_from_bits(
       random_bits(beam_key(seed, object, copy), uint32_t(what), Purpose::kPlace));
+}
+
+/// All that `adapted` takes of an object.
+using Shape = std::vector<double>;
+Shape shape_of(const PlacedObject& o) {
+  Shape out;
+  const auto add = [&](const Vec3& v) { out.insert(out.end(), v.begin(), v.end()); };
+  add(o.box.min);
+  add(o.box.max);
+  for (const Vec3& q : o.quantiles) add(q);
+  for (const auto& thirds : {o.beams.returns, o.beams.path_m}) {
+    out.insert(out.end(), thirds.begin(), thirds.end());
+  }
+  return out;
 }
 
 /// Adds the cells of a patch that is annotated as a whole; any other object is added as it is.
@@ -35,6 +50,8 @@ void add_cells(const PlacedObject& o, double cell_m, std::vector<PlacedObject>& 
   for (int k = 0; k < nx * ny; ++k) {
     const Vec3 middle = o.box.min + Vec3((k % nx + 0.5) * step.x(), (k / nx + 0.5) * step.y(), 0);
     PlacedObject cell = o;
+    cell.quantiles = PlacedObject{}.quantiles;  // They are of the whole patch.
+    cell.beams = {};
     cell.position = o.world_from_object() * Vec3(middle.x(), middle.y(), 0);
     cell.box.min = Vec3(-0.5 * step.x(), -0.5 * step.y(), 0);
     cell.box.max = Vec3(0.5 * step.x(), 0.5 * step.y(), o.box.max.z());
@@ -90,22 +107,23 @@ struct Composer::Impl {
     const uint32_t chosen = chooser_.choose(from, o, uniform(options_.seed, number, copy, kChoose));
     const PrimitiveEntry& entry = set_.entries[chosen];
     if (entry.label != o.label) ++out_.borrowed[std::string(elements::name(o.label))];
+    const bool adapts = options_.choose == Choice::kBest && !options_.scale && can_adapt(entry, o);
     elements::Instance instance;
-    instance.model = model_of(chosen);
+    instance.model = adapts ? adapted_model_of(chosen, o) : model_of(chosen);
     const Vec3 a = entry.box.size(), b = o.box.size();
     if (options_.scale) instance.scale = float(a.dot(b) / a.dot(a));
     box_distance_m_ += (double(instance.scale) * a - b).norm();
     // The boxes are aligned: their middles agree and their bottoms stand on the ground.
+    const Box& box = adapts ? o.box : entry.box;
     const Pose pose = o.world_from_object();
-    const Vec3 middle = 0.5 * (o.box.min + o.box.max) -
-                        double(instance.scale) * 0.5 * (entry.box.min + entry.box.max);
+    const Vec3 middle =
+        0.5 * (o.box.min + o.box.max) - double(instance.scale) * 0.5 * (box.min + box.max);
+    const double up_m = -double(instance.scale) * box.min.z();
     instance.world_from_model.rotation = pose.rotation;
     instance.world_from_model.translation = pose * Vec3(middle.x(), middle.y(), 0);
-    instance.world_from_model.translation.z() = *z - double(instance.scale) * entry.box.min.z();
+    instance.world_from_model.translation.z() = *z + up_m;
     if (!o.trajectory.empty() && copy == 0) {
-      const Pose foot_from_model{
-          {1, 0, 0, 0}, {middle.x(), middle.y(), -double(instance.scale) * entry.box.min.z()}};
-      add_mover(o.trajectory, foot_from_model);
+      add_mover(o.trajectory, {{1, 0, 0, 0}, {middle.x(), middle.y(), up_m}});
     }
     out_.scene.instances.push_back(instance);
     out_.info.labels.push_back(o.label);
@@ -123,19 +141,30 @@ struct Composer::Impl {
 
   uint32_t model_of(uint32_t entry) {
     uint32_t& model = model_[entry];
+    if (model == 0) model = add_model(read_primitive(set_, entry), entry);
+    return model;
+  }
+
+  /// Objects that are alike, as those of a generated site that is like another, share a model.
+  uint32_t adapted_model_of(uint32_t entry, const PlacedObject& o) {
+    uint32_t& model = adapted_[{entry, shape_of(o)}];
     if (model == 0) {
-      model = uint32_t(out_.scene.models.size());
-      out_.scene.models.push_back(read_primitive(set_, entry));
-      // The scene reaches as far as the sensor that saw the primitives.
-      elements::Model &scene = out_.scene.models[0], &added = out_.scene.models.back();
-      if (added.max_range_m < scene.max_range_m) {
-        scene.max_range_m = added.max_range_m;
-        scene.sensor = added.sensor;
-        scene.sensor_file = added.sensor_file;
-      }
-      out_.info.names.push_back(set_.entries[entry].name);
+      model = add_model(adapted(read_primitive(set_, entry), set_.entries[entry], o), entry);
     }
     return model;
+  }
+
+  uint32_t add_model(elements::Model added, uint32_t entry) {
+    // The scene reaches as far as the sensor that saw the primitives.
+    elements::Model& scene = out_.scene.models[0];
+    if (added.max_range_m < scene.max_range_m) {
+      scene.max_range_m = added.max_range_m;
+      scene.sensor = added.sensor;
+      scene.sensor_file = added.sensor_file;
+    }
+    out_.scene.models.push_back(std::move(added));
+    out_.info.names.push_back(set_.entries[entry].name);
+    return uint32_t(out_.scene.models.size() - 1);
   }
 
   const PrimitiveSet& set_;
@@ -143,6 +172,7 @@ struct Composer::Impl {
   const GroundSurface* surface_ = nullptr;
   Chooser chooser_;
   std::vector<uint32_t> model_;
+  std::map<std::pair<uint32_t, Shape>, uint32_t> adapted_;
   double box_distance_m_ = 0;
   Composition out_;
 };

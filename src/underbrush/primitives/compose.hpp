@@ -44,7 +44,7 @@ struct Composition {
   std::map<std::string, size_t> left_out;
   /// Objects placed with a primitive of another size, by class.
   std::map<std::string, size_t> borrowed;
-  /// m; mean distance between the boxes asked for and those placed.
+  /// m; mean distance between the boxes asked for and those of the primitives.
   double mean_box_distance_m = 0;
 };
 
@@ -75,10 +75,11 @@ class Composer {
 
 /// Composes a scene: for each (class, pose, box) of the annotation it places a primitive of the
 /// class
-/// (`Choice`), with its foot on the ground. Where the set has no primitive of the class, one of the
-/// same kind (shrub, tree, patch) is taken. A patch larger than a cell is filled cell by cell.
-/// Instance 0 and model 0 are the ground. Throws `FormatError` where a primitive cannot be read,
-/// and `std::invalid_argument` for a density that is negative or above 100.
+/// (`Choice`), with its foot on the ground, and with `Choice::kBest` and without `scale` adapts it
+/// to the object (`adapted`) where that is possible. Where the set has no primitive of the class,
+/// one of the same kind (shrub, tree, patch) is taken. A patch larger than a cell is filled cell by
+/// cell. Instance 0 and model 0 are the ground. Throws `FormatError` where a primitive cannot be
+/// read, and `std::invalid_argument` for a density that is negative or above 100.
 Composition compose(const Annotation& annotation, const elements::Model& ground,
                     const PrimitiveSet& set, const ComposeOptions& options,
                     const ComposeProgress& progress = {});

@@ -61,11 +61,11 @@ struct ExtractResult {
 };
 
 /// Cuts primitives out of the model, along the objects of the labelled log from which it was
-/// fitted. Reads the log twice. An element is located by its centre (mean of an ellipsoid, centroid
-/// of a triangle), which may lie up to 0.1 m
-/// outside of the object's box if the membership is `kOwn`. Elements below a box but
-/// above the ground, on the lower side of a slope, count as within. Throws as `measure_objects`
-/// does, and `std::invalid_argument` for a share that is not in [0, 1].
+/// fitted. Reads the log up to three times. An element is located by its centre (mean of an
+/// ellipsoid, centroid of a triangle), which may lie up to 0.1 m outside of the object's box if the
+/// membership is `kOwn`. Elements below a box but above the ground, on the lower side of a slope,
+/// count as within. Throws as `measure_objects` does, and `std::invalid_argument` for a share that
+/// is not in [0, 1].
 ExtractResult extract(const elements::Model& model, BeamSource& labelled,
                       const ExtractOptions& options, const MeasureProgress& progress = {});
 

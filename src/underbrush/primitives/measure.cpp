@@ -7,6 +7,7 @@
 
 #include "underbrush/core/cells.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/primitives/box_beams.hpp"
 
 namespace underbrush::primitives {
 namespace {
@@ -205,6 +206,7 @@ MeasuredObjects measure_objects(BeamSource& labelled, const GroundSurface& groun
     }
     out.objects.push_back(object);
   }
+  measure_beams(labelled, out.objects);
   return out;
 }
 

@@ -41,9 +41,9 @@ using MeasureProgress = std::function<void(size_t, size_t)>;
 /// `instance`. An object has the class of most of its points. The box of a cell is the cell's
 /// square, up to its highest point. Of the headings that fit (two of an object, four of a cell) it
 /// is the one at which the log's beams come from y < 0 on average, so that a primitive which takes
-/// the place of another object is seen from where it was measured. Reads the log once; memory grows
-/// with the number of objects. Throws `std::invalid_argument` for a log without these columns, a
-/// quantile outside [0, 0.5) or a cell that is not positive.
+/// the place of another object is seen from where it was measured. Reads the log twice; memory
+/// grows with the number of objects. Throws `std::invalid_argument` for a log without these
+/// columns, a quantile outside [0, 0.5) or a cell that is not positive.
 MeasuredObjects measure_objects(BeamSource& labelled, const GroundSurface& ground,
                                 const MeasureOptions& options,
                                 const MeasureProgress& progress = {});

@@ -74,6 +74,30 @@ inline Json json_of_quantiles(const std::array<Vec3, 5>& quantiles) {
   return j;
 }
 
+/// Reads the member `beams`, which may be absent.
+inline BoxBeams beams_of_json(const io::JsonValue& object) {
+  BoxBeams out;
+  const auto beams = object.find("beams");
+  if (!beams) return out;
+  beams->check_members({"returns", "path_m"});
+  for (const auto& [name, values] : {std::pair{"returns", &out.returns}, {"path_m", &out.path_m}}) {
+    const io::JsonValue list = beams->at(name);
+    const std::vector<double> read = list.numbers();
+    if (read.size() != values->size()) list.fail("must have 3 numbers");
+    for (size_t t = 0; t < read.size(); ++t) {
+      if (!(read[t] >= 0 && read[t] < 1e15)) list.fail("must be 0 to 1e15");
+      (*values)[t] = read[t];
+    }
+  }
+  return out;
+}
+inline Json json_of_beams(const BoxBeams& beams) {
+  Json j;
+  for (const double n : beams.returns) j["returns"].push_back(uint64_t(n));
+  j["path_m"] = beams.path_m;
+  return j;
+}
+
 /// Reads an object. Where its position has x and y only, the ground gives z.
 inline PlacedObject object_of_json(const io::JsonValue& j) {
   PlacedObject o;
@@ -88,6 +112,7 @@ inline PlacedObject object_of_json(const io::JsonValue& j) {
   if (const auto n = j.find("instance")) o.instance = uint32_t(n->count(UINT32_MAX));
   if (const auto n = j.find("points")) o.points = uint32_t(n->count(UINT32_MAX));
   o.quantiles = quantiles_of_json(j);
+  o.beams = beams_of_json(j);
   return o;
 }
 
@@ -101,6 +126,7 @@ inline Json json_of_object(const PlacedObject& object) {
   if (o.instance) j["instance"] = o.instance;
   if (o.points) j["points"] = o.points;
   if (Json q = json_of_quantiles(o.quantiles); !q.is_null()) j["quantiles_m"] = std::move(q);
+  if (o.beams.known()) j["beams"] = json_of_beams(o.beams);
   return j;
 }
 

@@ -16,6 +16,15 @@ struct Box {
   Vec3 size() const { return max - min; }
 };
 
+/// What the beams of a log did in an object's box, by thirds of its height from the bottom up. All
+/// are 0 where they are not known.
+struct BoxBeams {
+  std::array<double, 3> returns{};  ///< Number of beams that ended there at the object.
+  std::array<double, 3> path_m{};   ///< m; the length of all beams there, up to their returns.
+
+  bool known() const { return path_m[0] + path_m[1] + path_m[2] > 0; }
+};
+
 /// An object (c, q, box) of [tallavajhula18] §IV. Its pose stands on the ground under the centroid
 /// of the object's points and is turned about z alone, with x along the longer principal axis of
 /// the points seen from above. The bottom of the box is the ground (z = 0).
@@ -31,6 +40,7 @@ struct PlacedObject {
   std::array<Vec3, 5> quantiles{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero(),
                                 Vec3::Zero()};
   static constexpr std::array<double, 5> kShares{0.1, 0.3, 0.5, 0.7, 0.9};
+  BoxBeams beams;
   /// File of the poses of the foot over time (TUM, world from object), for an object that moves;
   /// empty if it stands still.
   std::filesystem::path trajectory;

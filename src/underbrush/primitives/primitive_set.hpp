@@ -31,6 +31,7 @@ struct PrimitiveEntry {
   size_t elements = 0, points = 0;
   std::array<Vec3, 5> quantiles = PlacedObject{}.quantiles;  ///< As of `PlacedObject`.
   uint32_t origin = 0;  ///< Index into `PrimitiveSet::origins`, if it has any.
+  BoxBeams beams = {};  ///< As of `PlacedObject`.
 };
 
 /// The manifest of a set. The elements of its primitives are read when they are needed.

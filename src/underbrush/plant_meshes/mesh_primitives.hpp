@@ -8,7 +8,9 @@
 #include "underbrush/primitives/extract.hpp"
 #include "underbrush/primitives/size_rules.hpp"
 
-namespace underbrush::primitives {
+namespace underbrush {
+/// Primitives made of plant meshes.
+namespace plant_meshes {
 
 /// A plant as triangles (m, z up), anywhere in space.
 struct PlantSource {
@@ -21,7 +23,7 @@ struct PlantSource {
 
 /// Options of `mesh_primitives`.
 struct MeshPrimitiveOptions {
-  SizeRules sizes;
+  primitives::SizeRules sizes;
   int sizes_per_class = 3;        ///< Number of heights to which a plant is scaled within a class.
   double most_scaling = 2;        ///< A plant is scaled by at most this factor, up or down.
   double tallest_tree_m = 16;     ///< m; height at which the tallest class ends.
@@ -40,7 +42,8 @@ struct MeshPrimitiveOptions {
 /// their discs would cover it. Pose and box are as in `extract`: foot under the centroid, x along
 /// the longer principal axis of the vertices, bottom of the box on the ground. Triangles are
 /// opaque. Throws `std::invalid_argument` for a plant without triangles or without height.
-std::vector<Primitive> mesh_primitives(const std::vector<PlantSource>& plants,
-                                       const MeshPrimitiveOptions& options = {});
+std::vector<primitives::Primitive> mesh_primitives(const std::vector<PlantSource>& plants,
+                                                   const MeshPrimitiveOptions& options = {});
 
-}  // namespace underbrush::primitives
+}  // namespace plant_meshes
+}  // namespace underbrush

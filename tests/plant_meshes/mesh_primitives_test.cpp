@@ -1,4 +1,4 @@
-#include "underbrush/primitives/mesh_primitives.hpp"
+#include "underbrush/plant_meshes/mesh_primitives.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,10 @@
 #include "underbrush/primitives/compose.hpp"
 #include "underbrush/trace/world.hpp"
 
-namespace underbrush::primitives {
+namespace underbrush::plant_meshes {
 namespace {
+
+using namespace primitives;
 
 using elements::Class;
 
@@ -148,4 +150,4 @@ TEST(MeshPrimitives, RefusePlantsWithoutExtent) {
 }
 
 }  // namespace
-}  // namespace underbrush::primitives
+}  // namespace underbrush::plant_meshes

@@ -1,4 +1,4 @@
-#include "underbrush/primitives/mesh_primitives.hpp"
+#include "underbrush/plant_meshes/mesh_primitives.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -7,10 +7,11 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/rng.hpp"
 
-namespace underbrush::primitives {
+namespace underbrush::plant_meshes {
 namespace {
 
 using elements::Class;
+using primitives::Primitive;
 
 /// A class and the heights (m) at which it begins and ends.
 struct ClassRange {
@@ -19,7 +20,7 @@ struct ClassRange {
 };
 
 std::vector<ClassRange> ranges_of(const MeshPrimitiveOptions& o, elements::ClassKind kind) {
-  const SizeRules& s = o.sizes;
+  const primitives::SizeRules& s = o.sizes;
   if (kind == elements::ClassKind::kTree) {
     return {{Class::kSmallTree, s.tree_m, s.medium_tree_m},
             {Class::kMediumTree, s.medium_tree_m, s.large_tree_m},
@@ -192,4 +193,4 @@ std::vector<Primitive> mesh_primitives(const std::vector<PlantSource>& plants,
   return out;
 }
 
-}  // namespace underbrush::primitives
+}  // namespace underbrush::plant_meshes

@@ -1,0 +1,27 @@
+/// \file
+/// Adaptation of a primitive to the object that it stands for.
+#pragma once
+#include "underbrush/primitives/primitive_set.hpp"
+
+namespace underbrush::primitives {
+
+/// Whether a primitive can be adapted to an object: it is known of both where their points lie.
+bool can_adapt(const PrimitiveEntry& from, const PlacedObject& to);
+
+/// Returns the elements `model` of the primitive `from`, adapted to the object `to` and in its
+/// frame.
+///
+/// Elements move so that they lie along each axis of the box as the object's points do: the corners
+/// of the box and the quantiles become those of the object, and places between them move in
+/// proportion. Ellipsoids keep their size and direction.
+///
+/// The optical depth of the ellipsoids in each third of the height is multiplied by f^¾, where f is
+/// how many beams returned from that third of the object, over how many would have from the
+/// primitive along the same paths: f = (n + 40 f₀) / (ρ L + 40) with the object's n returns and
+/// path L (`BoxBeams`), the primitive's returns per metre ρ, and f₀ = (n + 40) / (ρ L + 40) of the
+/// sums over the thirds; f is kept in [1/5, 5]. The exponent is below 1 because returns per metre
+/// also depend on where the beams cross the box. The factor is 1 where the beams of the object or
+/// of the primitive are not known.
+elements::Model adapted(elements::Model model, const PrimitiveEntry& from, const PlacedObject& to);
+
+}  // namespace underbrush::primitives
