@@ -224,8 +224,9 @@ class ExtractParameters(TypedDict, total=False):
 class ComposeParameters(TypedDict, total=False):
     """Options of `compose`, as docs/reference/command-line.md lists them."""
 
-    #: Primitive of its class that an object gets: the one with the nearest box; the one whose box and points fit
-    #: best, and no plant twice within 20 m if others fit; or any (default best).
+    #: Primitive of its class that an object gets: the one with the nearest box; the one that fits best, adapted to
+    #: where the object's points lie and how many beams it stops, and no plant twice within 20 m if others fit; or
+    #: any (default best).
     choose: str
     nearest: int  #: Draw each primitive among this many that fit best (default 1).
     scale: bool  #: Scale primitives to their boxes (default false).
