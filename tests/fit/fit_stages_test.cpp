@@ -37,7 +37,7 @@ FitResult fit_in_stages(BeamSource& log, const FitOptions& options, size_t parts
       files.push_back(folder / (std::to_string(round) + "-" + std::to_string(k)));
       write_sums(files.back(), sum_of_rows(rows, read_refinement(latest), options));
     }
-    std::ranges::rotate(files, files.begin() + round % int(parts));
+    std::rotate(files.begin(), files.begin() + round % int(parts), files.end());
     likelihood::Refinement r = read_refinement(latest);
     likelihood::PassSums sums{likelihood::ElementSums(r.best->model), {}, 0};
     for (const fs::path& file : files) add_sums(file, sums);

@@ -29,6 +29,7 @@ constexpr const char* kSums[kPointCouplings] = {"self", "east", "north", "north_
 template <class T, class Rows, class F>
 void add_column(PlyElement& element, const char* name, const Rows& rows, F value) {
   std::vector<T> column;
+  column.reserve(rows.size());
   for (const auto& row : rows) column.push_back(T(value(row)));
   element.count = column.size();
   element.columns.emplace_back(name, std::move(column));

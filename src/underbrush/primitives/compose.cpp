@@ -62,57 +62,60 @@ void add_cells(const PlacedObject& o, double cell_m, std::vector<PlacedObject>& 
 }  // namespace
 
 struct Composer::Impl {
-  Impl(const elements::Model& ground, const PrimitiveSet& set, const ComposeOptions& o)
-      : set_(set), options_(o), chooser_(set, o.choose, o.nearest), model_(set.entries.size(), 0) {
+  Impl(const elements::Model& ground, const PrimitiveSet& s, const ComposeOptions& o)
+      : set(s),
+        options(o),
+        chooser(s, o.choose, o.nearest),
+        models_of_entries(s.entries.size(), 0) {
     require(o.nearest > 0, "compose: at least one primitive must be chosen from");
     for (const auto& [label, factor] : o.density) {
       require(factor >= 0 && factor <= 100, "compose: a density must lie in [0, 100]");
     }
-    out_.scene.models.push_back(ground.like());
-    out_.info.names.emplace_back("ground");
+    composition.scene.models.push_back(ground.like());
+    composition.info.names.emplace_back("ground");
     elements::Instance foot;
     foot.world_from_model.translation = ground.origin;
-    out_.scene.instances.push_back(foot);
-    out_.info.labels.push_back(Class::kGround);
+    composition.scene.instances.push_back(foot);
+    composition.info.labels.push_back(Class::kGround);
   }
 
   void add(const PlacedObject& o, size_t number) {
-    ++out_.objects;
-    const auto density = options_.density.find(o.label);
-    const double wanted = density == options_.density.end() ? 1 : density->second;
-    const auto copies = size_t(wanted + uniform(options_.seed, number, 0, kKeep));
+    ++composition.objects;
+    const auto density = options.density.find(o.label);
+    const double wanted = density == options.density.end() ? 1 : density->second;
+    const auto copies = size_t(wanted + uniform(options.seed, number, 0, kKeep));
     for (size_t copy = 0; copy < copies; ++copy) {
       PlacedObject one = o;
       if (copy) {  // An added object stands within two of its sides from the annotated one.
         const double reach = 2 * o.box.size().head<2>().maxCoeff();
-        one.position.x() += reach * (2 * uniform(options_.seed, number, copy, kShiftX) - 1);
-        one.position.y() += reach * (2 * uniform(options_.seed, number, copy, kShiftY) - 1);
-        one.yaw_rad = 2 * M_PI * uniform(options_.seed, number, copy, kTurn);
+        one.position.x() += reach * (2 * uniform(options.seed, number, copy, kShiftX) - 1);
+        one.position.y() += reach * (2 * uniform(options.seed, number, copy, kShiftY) - 1);
+        one.yaw_rad = 2 * M_PI * uniform(options.seed, number, copy, kTurn);
       }
       place(one, number, copy);
     }
   }
 
   void place(const PlacedObject& o, size_t number, size_t copy) {
-    const std::vector<uint32_t>& from = chooser_.candidates(o.label);
+    const std::vector<uint32_t>& from = chooser.candidates(o.label);
     if (from.empty()) {
-      ++out_.left_out[std::string(elements::name(o.label))];
+      ++composition.left_out[std::string(elements::name(o.label))];
       return;
     }
-    const std::optional<double> z = surface_->at(o.position.x(), o.position.y());
+    const std::optional<double> z = surface->at(o.position.x(), o.position.y());
     if (!z) {
-      ++out_.off_ground;
+      ++composition.off_ground;
       return;
     }
-    const uint32_t chosen = chooser_.choose(from, o, uniform(options_.seed, number, copy, kChoose));
-    const PrimitiveEntry& entry = set_.entries[chosen];
-    if (entry.label != o.label) ++out_.borrowed[std::string(elements::name(o.label))];
-    const bool adapts = options_.choose == Choice::kBest && !options_.scale && can_adapt(entry, o);
+    const uint32_t chosen = chooser.choose(from, o, uniform(options.seed, number, copy, kChoose));
+    const PrimitiveEntry& entry = set.entries[chosen];
+    if (entry.label != o.label) ++composition.borrowed[std::string(elements::name(o.label))];
+    const bool adapts = options.choose == Choice::kBest && !options.scale && can_adapt(entry, o);
     elements::Instance instance;
     instance.model = adapts ? adapted_model_of(chosen, o) : model_of(chosen);
     const Vec3 a = entry.box.size(), b = o.box.size();
-    if (options_.scale) instance.scale = float(a.dot(b) / a.dot(a));
-    box_distance_m_ += (double(instance.scale) * a - b).norm();
+    if (options.scale) instance.scale = float(a.dot(b) / a.dot(a));
+    box_distance_m += (double(instance.scale) * a - b).norm();
     // The boxes are aligned: their middles agree and their bottoms stand on the ground.
     const Box& box = adapts ? o.box : entry.box;
     const Pose pose = o.world_from_object();
@@ -125,56 +128,56 @@ struct Composer::Impl {
     if (!o.trajectory.empty() && copy == 0) {
       add_mover(o.trajectory, {{1, 0, 0, 0}, {middle.x(), middle.y(), up_m}});
     }
-    out_.scene.instances.push_back(instance);
-    out_.info.labels.push_back(o.label);
-    out_.object_of.push_back(uint32_t(number));
-    ++out_.placed;
+    composition.scene.instances.push_back(instance);
+    composition.info.labels.push_back(o.label);
+    composition.object_of.push_back(uint32_t(number));
+    ++composition.placed;
   }
 
   /// Adds the motion of the instance that is added next.
   void add_mover(const std::filesystem::path& file, const Pose& foot_from_model) {
     std::vector<StampedPose> poses = io::read_trajectory(file).poses();
     for (StampedPose& p : poses) p.world_from_sensor = p.world_from_sensor * foot_from_model;
-    out_.info.movers.push_back(
-        {uint32_t(out_.scene.instances.size()), Trajectory(std::move(poses))});
+    composition.info.movers.push_back(
+        {uint32_t(composition.scene.instances.size()), Trajectory(std::move(poses))});
   }
 
   uint32_t model_of(uint32_t entry) {
-    uint32_t& model = model_[entry];
-    if (model == 0) model = add_model(read_primitive(set_, entry), entry);
+    uint32_t& model = models_of_entries[entry];
+    if (model == 0) model = add_model(read_primitive(set, entry), entry);
     return model;
   }
 
   /// Objects that are alike, as those of a generated site that is like another, share a model.
   uint32_t adapted_model_of(uint32_t entry, const PlacedObject& o) {
-    uint32_t& model = adapted_[{entry, shape_of(o)}];
+    uint32_t& model = adapted_models[{entry, shape_of(o)}];
     if (model == 0) {
-      model = add_model(adapted(read_primitive(set_, entry), set_.entries[entry], o), entry);
+      model = add_model(adapted(read_primitive(set, entry), set.entries[entry], o), entry);
     }
     return model;
   }
 
   uint32_t add_model(elements::Model added, uint32_t entry) {
     // The scene reaches as far as the sensor that saw the primitives.
-    elements::Model& scene = out_.scene.models[0];
+    elements::Model& scene = composition.scene.models[0];
     if (added.max_range_m < scene.max_range_m) {
       scene.max_range_m = added.max_range_m;
       scene.sensor = added.sensor;
       scene.sensor_file = added.sensor_file;
     }
-    out_.scene.models.push_back(std::move(added));
-    out_.info.names.push_back(set_.entries[entry].name);
-    return uint32_t(out_.scene.models.size() - 1);
+    composition.scene.models.push_back(std::move(added));
+    composition.info.names.push_back(set.entries[entry].name);
+    return uint32_t(composition.scene.models.size() - 1);
   }
 
-  const PrimitiveSet& set_;
-  ComposeOptions options_;
-  const GroundSurface* surface_ = nullptr;
-  Chooser chooser_;
-  std::vector<uint32_t> model_;
-  std::map<std::pair<uint32_t, Shape>, uint32_t> adapted_;
-  double box_distance_m_ = 0;
-  Composition out_;
+  const PrimitiveSet& set;
+  ComposeOptions options;
+  const GroundSurface* surface = nullptr;
+  Chooser chooser;
+  std::vector<uint32_t> models_of_entries;
+  std::map<std::pair<uint32_t, Shape>, uint32_t> adapted_models;
+  double box_distance_m = 0;
+  Composition composition;
 };
 
 Composer::Composer(const elements::Model& ground, const PrimitiveSet& set, const ComposeOptions& o)
@@ -183,21 +186,22 @@ Composer::~Composer() = default;
 
 void Composer::add(const GroundSurface& ground, const std::vector<PlacedObject>& annotated,
                    const ComposeProgress& progress) {
-  impl_->surface_ = &ground;
+  impl_->surface = &ground;
   std::vector<PlacedObject> cells;
   for (size_t k = 0; k < annotated.size(); ++k) {
     cells.clear();
-    add_cells(annotated[k], impl_->set_.cell_m, cells);
-    for (const PlacedObject& o : cells) impl_->add(o, impl_->out_.objects);
+    add_cells(annotated[k], impl_->set.cell_m, cells);
+    for (const PlacedObject& o : cells) impl_->add(o, impl_->composition.objects);
     if (progress && k % 256 == 0) progress(k, annotated.size());
   }
-  if (impl_->out_.placed == 0) return;
-  impl_->out_.mean_box_distance_m = impl_->box_distance_m_ / double(impl_->out_.placed);
+  if (impl_->composition.placed == 0) return;
+  impl_->composition.mean_box_distance_m =
+      impl_->box_distance_m / double(impl_->composition.placed);
 }
 
-void Composer::forget_below(double y_m) { impl_->chooser_.forget_below(y_m); }
+void Composer::forget_below(double y_m) { impl_->chooser.forget_below(y_m); }
 
-Composition& Composer::result() { return impl_->out_; }
+Composition& Composer::result() { return impl_->composition; }
 
 std::map<Class, double> densities_of(const std::vector<std::string>& words) {
   std::map<Class, double> out;

@@ -96,7 +96,7 @@ void read_request(std::string_view bytes) {
   static Answers answers;
   const auto part = [&](char end) {
     const size_t at = std::min(bytes.find(end), bytes.size());
-    const std::string out(bytes.substr(0, at));
+    std::string out(bytes.substr(0, at));
     bytes.remove_prefix(std::min(at + 1, bytes.size()));
     return out;
   };
@@ -178,9 +178,7 @@ constexpr const char* kRequests[] = {
     "GET api/range_image?file=0&run=0&world=1&seed=1",
     "GET api/trajectory?file=0",
     "GET api/world?file=1",
-    "GET "
-    "api/actors?file=1&edits=[{\"edit\":\"shift\",\"actor\":\"car-1\",\"translation_m\":[1,2,0],"
-    "\"at_s\":1,\"within_s\":2}]",
+    "GET api/actors?file=1&edits=[{\"edit\":\"remove\",\"actor\":\"car-1\"}]",
     "POST api/actors/write?file=1&name=edits.json&edits=[]",
     "GET api/ellipsoids?file=1&model=0",
     "GET api/ground?file=1&model=0",
