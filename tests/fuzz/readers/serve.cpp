@@ -188,14 +188,14 @@ constexpr const char* kRequests[] = {
     "GET api/labels/count?file=0&box=1,2,0,5,5,5,0.5&hidden=1,2&times=0,1",
     "GET api/labels/count?file=0&slab=0,0,1,-1,2&of_class=0&scan=0",
     "POST api/labels/edit?file=0&revision=0&class=2&instance=new&select=add&stroke=1&name=x",
-    "POST api/labels/edit?file=0&revision=0&class=2&depth=1&width=10&height=10&path=0,0,9,0,9,9"
-    "&matrix=1,0,0,0,0,1,0,0,0,0,1,1,0,0,0,1&radius=3",
+    ("POST api/labels/edit?file=0&revision=0&class=2&depth=1&width=10&height=10&path=0,0,9,0,9,9"
+     "&matrix=1,0,0,0,0,1,0,0,0,0,1,1,0,0,0,1&radius=3"),
     "POST api/labels/undo?file=0&revision=1",
     "POST api/labels/redo?file=0&revision=1",
     "POST api/labels/carry?file=0&revision=0&from_scan=0&scan=1&radius=0.3",
     "POST api/labels/export?file=0&format=label&name=a.label&set=semantickitti",
-    "POST api/labels/box?file=1&revision=0&value={\"class\":\"small_tree\",\"position_m\":[0,0,0],"
-    "\"yaw_rad\":0,\"min_m\":[0,0,0],\"max_m\":[1,1,1]}",
+    ("POST api/labels/box?file=1&revision=0&value={\"class\":\"small_tree\",\"position_m\":[0,0,0],"
+     "\"yaw_rad\":0,\"min_m\":[0,0,0],\"max_m\":[1,1,1]}"),
 };
 
 constexpr const char* kHttp[] = {
