@@ -217,13 +217,16 @@ std::string text_of_model(const Done& done, const elements::Model& model) {
                                     printable(model.sensor));
   }
   if (model.keyframes) {
-    text +=
-        done.simulation.keyframes_serve(done.beams)
-            ? fmt::format("  keyframes   beams near {} of them are answered as recorded\n",
-                          model.keyframes->frames.size())
-            : fmt::format(
-                  "  keyframes   not used: they are of thin rays of {}, without --element-ids\n",
-                  model.sensor.empty() ? "the model's log" : printable(model.sensor));
+    text += done.simulation.keyframes_serve(done.beams)
+                ? fmt::format("  keyframes   beams near {} of them are answered as recorded\n",
+                              model.keyframes->frames.size())
+                : fmt::format(
+                      "  keyframes   not used: they are of beams of {} with one echo, without "
+                      "--element-ids{}\n",
+                      model.sensor.empty() ? "the model's log" : printable(model.sensor),
+                      done.beams.sensor.empty() && !model.sensor.empty()
+                          ? "; these beams name no sensor (import --sensor)"
+                          : "");
   }
   return text;
 }
