@@ -88,14 +88,19 @@ def sanitized() -> dict[str, str]:
             "PYTHONMALLOC": "malloc", "ASAN_OPTIONS": "detect_leaks=0:halt_on_error=1"}
 
 
-def run_tests(build: pathlib.Path, words: list[str], usual: Sequence[str] = ("",),
-              variables: Mapping[str, str] = MappingProxyType({}), interpreter: str = sys.executable) -> int:
-    """Runs pytest on the module of the build folder; words without a test run the usual ones."""
+def of_tests(build: pathlib.Path, interpreter: str = sys.executable) -> pathlib.Path:
+    """Makes the environment of all tests that need the module of a build folder, and returns its Python."""
     name = "venv" if interpreter == sys.executable else pathlib.Path(interpreter).name
     extras = ("formats", "arrow", "dask", "remote", "live", "stream", "test")
     packages = [package for added in extras for package in extra(added)]
-    python = environment(build / "python" / name, ["numpy", "nanobind-backend", *packages], maker_in(build),
-                         interpreter=interpreter)
+    return environment(build / "python" / name, ["numpy", "nanobind-backend", *packages], maker_in(build),
+                       interpreter=interpreter)
+
+
+def run_tests(build: pathlib.Path, words: list[str], usual: Sequence[str] = ("",),
+              variables: Mapping[str, str] = MappingProxyType({}), interpreter: str = sys.executable) -> int:
+    """Runs pytest on the module of the build folder; words without a test run the usual ones."""
+    python = of_tests(build, interpreter)
     paths = os.pathsep.join(filter(None, [str(build / "python" / "package"), os.environ.get("PYTHONPATH")]))
     if all(word.startswith("-") for word in words):
         words = [*words, *(str(ROOT / "python" / "tests" / name) for name in usual)]

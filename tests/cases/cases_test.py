@@ -340,9 +340,7 @@ def front_of(build):
     environment = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(environment)
     try:
-        python = environment.environment(
-            build / "python/venv", ["numpy", "nanobind-backend", *environment.extra("formats"),
-                                    *environment.extra("test")], environment.maker_in(build))
+        python = environment.of_tests(build)
     except environment.Missing as missing:
         print(missing)
         sys.exit(77)

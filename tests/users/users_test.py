@@ -74,9 +74,7 @@ def commands(way: str, given: argparse.Namespace, folder: pathlib.Path) -> dict[
     if way == "validation":
         python = environment.environment(given.build / "fmu_venv", FMPY, compiled=False)
     else:
-        python = environment.environment(given.build / "python/venv", ["numpy", "nanobind-backend",
-                                         *environment.extra("formats"), *environment.extra("test")],
-                                         environment.maker_in(given.build))
+        python = environment.of_tests(given.build)
     program = given.build / "bin/underbrush"
     command = f'"{program}"' if way == "validation" else f'"{python}" -m underbrush.cli'
     bin_folder = folder / "bin"
