@@ -136,7 +136,12 @@ TEST(Echoes, WhatAKeyframeAnswersIsTheOnlyEcho) {
   BeamLog log = beams_along_x(3);
   const std::vector<std::optional<keyframes::CachedReturn>> cached{
       {}, keyframes::CachedReturn{7, 3, 4}, keyframes::CachedReturn{INFINITY, 0, 0}};
-  EchoMaker(dynamic_world, reflection, instrument, {}).answer(0, log, cached);
+  EchoOptions options;
+  options.waveforms.count = 3;
+  EchoMaker maker(dynamic_world, reflection, instrument, options);
+  maker.answer(0, log, cached);
+  ASSERT_EQ(maker.waveforms().size(), 1u);  // those of keyframes have none
+  EXPECT_EQ(maker.waveforms()[0].beam, 0u);
   ASSERT_EQ(log.size(), 3u);
   EXPECT_NEAR(log.range_m[0], 20, 0.01);
   EXPECT_EQ(log.range_m[1], 7);

@@ -229,7 +229,8 @@ void EchoMaker::receive(const Request& request, size_t begin, size_t end, Scratc
     const TracedBeams::Beam beam = s.traced[i - begin];
     using Way = radiometry::Receiver::Way;
     const size_t number = request.first_beam + i;
-    const bool is_kept = options_.waveforms.wants(number);
+    const bool is_cached = !request.cached.empty() && request.cached[i];
+    const bool is_kept = options_.waveforms.wants(number) && !is_cached;
     const radiometry::Echoes echoes =
         echoes_of(request, i, beam, s, is_kept ? Way::kByWaveform : Way::kFast);
     block.count.push_back(uint8_t(echoes.count));

@@ -92,7 +92,7 @@ class EchoMaker {
   /// the number of the first beam. Extra columns of the beams are kept. Range limits are those of
   /// `beams.info`, because the receiver says how far the instrument sees, not the log that a model
   /// was fitted to. `cached` is empty or has one entry a beam: where it is set, it is the answer to
-  /// that beam (`keyframe_answers`).
+  /// that beam (`keyframe_answers`), of which there is no waveform.
   void answer(size_t first_beam, BeamLog& beams,
               std::span<const std::optional<keyframes::CachedReturn>> cached = {});
 
