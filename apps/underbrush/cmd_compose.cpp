@@ -83,8 +83,8 @@ void add_compose(Program& program) {
                  "The annotation (JSON), or the folder of a site in parts")
       ->required();
   app.add_option("PRIMITIVES", a->primitives,
-                 "The folder of a set of primitives, or the word mesh_primitives for the generated "
-                 "plants of 'meshes generated'")
+                 "The folder of a set of primitives, or the word mesh_primitives for the plants of "
+                 "'meshes generated'")
       ->required();
   verb->output("-o,--output", a->output,
                "The folder of the scene; for a site in parts, the folder of a world of regions")

@@ -51,7 +51,7 @@ std::string text_of(const pipeline::ImportReport& r, const std::string& output) 
   add("hits", r.beam.hits, "");
   add("misses recorded", r.beam.misses_recorded, "");
   add("misses inferred", r.beam.misses_inferred, "");
-  add("unknown", r.beam.unknown, "unknown beams, left out");
+  add("unknown", r.beam.unknown, "beams without a known end: left out");
   if (r.later_returns > 0) {
     add("later returns", r.later_returns,
         "of the same pulses; fit reads the first ones, or all with --echoes all");

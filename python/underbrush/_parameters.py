@@ -239,9 +239,9 @@ class ExtractParameters(TypedDict, total=False):
 class ComposeParameters(TypedDict, total=False):
     """Options of `compose`, as docs/reference/command-line.md lists them."""
 
-    #: How the primitive of an object is chosen among those of its class: box = the one with the most similar box;
-    #: best = the one that fits the object's points and beams best, adapted to them, and not a plant that stands
-    #: within 20 m already if others fit; random = any (default best).
+    #: How the primitive of an object is chosen in its class: box = the nearest box; best = the best fit to the
+    #: object's points and beams, adapted to them, and no plant twice within 20 m if others fit; random = any
+    #: (default best).
     choose: str
     nearest: int  #: Choose each primitive at random among the N best ones (default 1).
     scale: bool  #: Scale each primitive to the box of its object (default false).
@@ -257,8 +257,8 @@ class PerceiveParameters(TypedDict, total=False):
     #: The true objects: labelled boxes in the sensor's frame (CSV with frame and track_id), or lists of objects in
     #: the world's frame (CSV, JSON, or an OSI trace).
     truth: str | os.PathLike[str]
-    #: How objects are found: model = the tracking model, which assigns points to the true objects; real = a
-    #: pipeline that does not use the truth (default model).
+    #: How objects are found: model = the tracking model, which assigns points to true objects; real = without the
+    #: truth (default model).
     pipeline: str
     rig: str | os.PathLike[str]  #: File with the sensors of the vehicle, for a log of several sensors.
     min_range: float  #: Ignore hits nearer than this, m, such as those on the own vehicle (default 0).

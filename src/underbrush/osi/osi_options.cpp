@@ -15,9 +15,9 @@ std::span<const Option<OsiOptions>> osi_options() {
     {"chain", "Replay", "", "File with the strategies and their parameters",
      [](O& o) -> auto& { return o.replay.chain; }, -kNoLimit, kNoLimit, {}, "CHAIN.yaml"},
     {"strategy", "Replay", "",
-     "Run this strategy; may be repeated. Without this option and --chain, all strategies run: "
-     "front_end, alignment, tracking, classification and grid. A tracer runs before them if the "
-     "trace has no reflections or --world is given",
+     "Run this strategy; may be repeated. Without it and --chain, all run: front_end, alignment, "
+     "tracking, classification, grid. A tracer runs before them if the trace has no reflections or "
+     "--world is given",
      [](O& o) -> auto& { return o.replay.strategies; }, -kNoLimit, kNoLimit, {},
      "NAME[:KEY=VALUE,...]"},
     {"sensor", "Replay", "", "The sensor of the tracer and the front end",

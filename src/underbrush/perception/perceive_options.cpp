@@ -14,8 +14,8 @@ std::span<const Option<PerceiveOptions>> perceive_options() {
      "of objects in the world's frame (CSV, JSON, or an OSI trace)",
      [](O& o) -> auto& { return o.truth; }, -kNoLimit, kNoLimit, {}, "FILE"},
     {"pipeline", "", "",
-     "How objects are found: model = the tracking model, which assigns points to the true objects; "
-     "real = a pipeline that does not use the truth",
+     "How objects are found: model = the tracking model, which assigns points to true objects; "
+     "real = without the truth",
      [](O& o) -> auto& { return o.pipeline; }, -kNoLimit, kNoLimit, {"model", "real"}},
     {"rig", "", "", "File with the sensors of the vehicle, for a log of several sensors",
      [](O& o) -> auto& { return o.rig; }, -kNoLimit, kNoLimit, {}, "RIG.yaml"},

@@ -93,8 +93,8 @@ std::span<const Option<AnnotateOptions>> annotate_options() {
     {"size", "Generated site", "m", "Length and width of a generated ground",
      [](O& o) -> auto& { return o.size_m; }, 1, 20000, {}, "X Y", 2},
     {"parts", "Generated site", "m",
-     "Divide the site into squares of this side; the output is a folder with an annotation and a "
-     "ground for each, and memory holds one row of squares; 0 = one annotation",
+     "Divide the site into squares of this side; each gets an annotation and a ground, and memory "
+     "holds one row of squares; 0 = one annotation",
      [](O& o) -> auto& { return o.part_m; }, 0, 20000},
 
     {"draws", "More options", "",

@@ -65,9 +65,9 @@ std::span<const Option<ComposeOptions>> compose_options() {
   // clang-format off
   static const Option<O> kOptions[] = {
     {"choose", "", "",
-     "How the primitive of an object is chosen among those of its class: box = the one with the "
-     "most similar box; best = the one that fits the object's points and beams best, adapted to "
-     "them, and not a plant that stands within 20 m already if others fit; random = any",
+     "How the primitive of an object is chosen in its class: box = the nearest box; best = the "
+     "best fit to the object's points and beams, adapted to them, and no plant twice within 20 m "
+     "if others fit; random = any",
      [](O& o) -> auto& { return o.choose; }, -kNoLimit, kNoLimit, {"box", "best", "random"}},
     {"nearest", "", "", "Choose each primitive at random among the N best ones",
      [](O& o) -> auto& { return o.nearest; }, 1, kNoLimit},
@@ -75,7 +75,7 @@ std::span<const Option<ComposeOptions>> compose_options() {
      [](O& o) -> auto& { return o.scale; }},
     {"class-density", "", "",
      "Number of objects for each annotated object of a class: a factor below 1 leaves some out, "
-     "and one above 1 adds more beside them",
+     "above 1 adds more",
      [](O& o) -> auto& { return o.class_density; }, -kNoLimit, kNoLimit, {}, "CLASS=FACTOR ..."},
     {"leave-out", "", "",
      "Use no primitive that was cut from an object whose box overlaps one of this annotation, as "
