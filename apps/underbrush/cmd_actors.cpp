@@ -25,19 +25,20 @@ struct Arguments {
 void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
   app.add_option("LOG", a.log, "The log (ray cloud PLY)")->required();
-  verb.output("-o,--output", a.output, "The folder of the actors, a scene in which all moves")
+  verb.output("-o,--output", a.output,
+              "The folder of the actors; it is a scene in which every object moves")
       ->type_name("ACTORS");
   verb.output("--marked", a.marked,
               "The log with the returns of the actors marked, which fit leaves out")
       ->type_name("MARKED.ply");
-  verb.output("--met", a.met, "The beams that meet the box of an actor, as a log of their own")
+  verb.output("--met", a.met, "The beams that meet the box of an actor, as a log")
       ->type_name("MET.ply");
   app.add_option("--boxes", a.boxes,
-                 "Labelled boxes (CSV with frame and track_id) or lists of objects; without it, "
-                 "what moved is found as by movers and perceive")
+                 "Labelled boxes (CSV with frame and track_id) or lists of objects; without this "
+                 "option, moving objects are found by the methods of movers and perceive")
       ->type_name("FILE");
   app.add_option("--boxes-elevation-deg", a.elevation_deg,
-                 "Turn labelled boxes up by this angle, as import turned the beams")
+                 "Turn labelled boxes up by this angle, if import turned the beams by it")
       ->capture_default_str();
   app::add_options(verb, actors::actor_options(), a.options);
 }
@@ -101,7 +102,7 @@ void add_actors(Program& program) {
   using namespace actors_verb;
   auto a = std::make_shared<Arguments>();
   const auto verb =
-      add_verb(program, "Models", "actors", "Learn what moved, as models with trajectories",
+      add_verb(program, "Models", "actors", "Learn moving objects as models with trajectories",
                "underbrush actors log.ply --boxes objects.csv -o actors/ --marked marked.ply\n"
                "  underbrush fit marked.ply -o model/\n"
                "  underbrush simulate model/ --actors actors/ --like log.ply -o sim.ply",

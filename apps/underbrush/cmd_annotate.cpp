@@ -110,8 +110,8 @@ void add_annotate(Program& program) {
   verb->app
       .add_option(
           "--ground", a->ground,
-          "Model whose ground the objects stand on; by default the ground is made from the log's "
-          "ground points, or generated, as the folder STEM.ground beside the annotation")
+          "Model on whose ground the objects stand; by default, a ground is fitted to the log or "
+          "generated, and written to STEM.ground beside the annotation")
       ->type_name("MODEL");
   add_options(*verb, pipeline::annotate_options(), a->options, "Generated site");
   verb->app.get_option("--generate")->expected(0, 1);

@@ -83,11 +83,11 @@ void add_compose(Program& program) {
                  "The annotation (JSON), or the folder of a site in parts")
       ->required();
   app.add_option("PRIMITIVES", a->primitives,
-                 "The folder of the set of primitives, or mesh_primitives: for the generated "
-                 "plants that 'meshes generated' writes")
+                 "The folder of a set of primitives, or the word mesh_primitives for the plants of "
+                 "'meshes generated'")
       ->required();
   verb->output("-o,--output", a->output,
-               "The scene's folder; of a site in parts, that of a world of regions")
+               "The folder of the scene; for a site in parts, the folder of a world of regions")
       ->required()
       ->type_name("SCENE");
   app.add_option("--ground", a->ground, "Model whose ground replaces the annotation's")

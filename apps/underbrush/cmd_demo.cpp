@@ -294,18 +294,18 @@ void add_demo(Program& program) {
   auto a = std::make_shared<Arguments>();
   const auto verb =
       add_verb(program, "Start", "demo",
-               "The whole pipeline on a generated site and on a real scan; ends with a report",
+               "Run the whole pipeline on a generated site and on a real scan, and write a report",
                "underbrush demo -o demo/\n  underbrush demo --only real",
                [a](const Verb& v) { run(v, *a); });
   CLI::App& app = verb->app;
   verb->output("-o,--output", a->output, "Folder for everything that the demo writes",
                {"train.ply", "test.ply", "report/index.html"})
       ->capture_default_str();
-  verb->not_of_result(app.add_option("--only", a->only, "Leave the other part out"))
+  verb->not_of_result(app.add_option("--only", a->only, "Run only this part of the demo"))
       ->check(CLI::IsMember({"site", "real"}));
   app.add_option("--sensor", a->sensor, "Sensor of the catalogue that scans the site")
       ->capture_default_str();
-  app.add_option("--sub-rays", a->beam.sub_rays, "Sub-rays for each beam when the site is scanned")
+  app.add_option("--sub-rays", a->beam.sub_rays, "Number of sub-rays of beams that scan the site")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
 }

@@ -30,11 +30,11 @@ void add_update_options(Verb& verb, Arguments& a, CLI::Option* update,
   update->excludes(app.get_option("--seed"));
   verb.begin_rare_group("fit --update");
   app.add_option("--growth", a.how.how.growth,
-                 "Fit a touched tile anew once its returns have grown by this share since it was "
-                 "fitted; 0: at once, which gives the elements of one fit of all logs")
+                 "Fit a tile anew when the number of its returns has grown by this share since its "
+                 "last fit; 0 = always, so that the elements are those of one fit of all logs")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  app.add_option("--logs", a.how.logs, "Where the logs that the model was fitted to are now")
+  app.add_option("--logs", a.how.logs, "Folder that now holds the logs of the model")
       ->type_name("FOLDER")
       ->needs(update);
 }
@@ -45,7 +45,7 @@ void add_options(Verb& verb, Arguments& a) {
   verb.output("-o,--output", a.output, "The model's folder")->required()->type_name("MODEL");
   CLI::Option* update =
       app.add_option("--update", a.update,
-                     "Add the log to this model, whose parameters hold, instead of starting again")
+                     "Add the log to this model, with its parameters, instead of starting anew")
           ->type_name("MODEL");
   std::vector<const CLI::Option*> of_fit = add_fit_options(verb, a.fit);
   verb.begin_rare_group("Other outputs");
@@ -56,19 +56,19 @@ void add_options(Verb& verb, Arguments& a) {
   verb.begin_rare_group("Echoes");
   of_fit.push_back(
       app.add_option("--echoes", a.echoes,
-                     "Take the first echo of a beam for its end, or all echoes for beams of their "
-                     "own; hit probabilities are then shares of the light")
+                     "first = a beam ends at its first echo; all = each echo is treated as a beam, "
+                     "and hit probabilities are shares of the light")
           ->check(CLI::IsMember({"first", "all"}))
           ->capture_default_str());
   add_update_options(verb, a, update, of_fit);
   verb.begin_rare_group("Stages of a fit, as a plan has them");
   CLI::Option* stage =
       verb.not_of_result(app.add_option("--stage", a.stage.name,
-                                        "Run this stage alone, and leave the output for others")
+                                        "Run only this stage, and write its intermediate result")
                              ->type_name("begin|sum:FIRST:END|step|end")
                              ->configurable(false)
                              ->excludes(update));
-  verb.not_of_result(app.add_option("--from", a.stage.from, "What the stages before have left")
+  verb.not_of_result(app.add_option("--from", a.stage.from, "Results of the earlier stages")
                          ->type_name("PATH")
                          ->configurable(false)
                          ->needs(stage));

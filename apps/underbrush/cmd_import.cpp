@@ -51,7 +51,7 @@ std::string text_of(const pipeline::ImportReport& r, const std::string& output) 
   add("hits", r.beam.hits, "");
   add("misses recorded", r.beam.misses_recorded, "");
   add("misses inferred", r.beam.misses_inferred, "");
-  add("unknown", r.beam.unknown, "beams that tell nothing: left out");
+  add("unknown", r.beam.unknown, "beams without a known end: left out");
   if (r.later_returns > 0) {
     add("later returns", r.later_returns,
         "of the same pulses; fit reads the first ones, or all with --echoes all");
@@ -145,7 +145,7 @@ void add_import(Program& program) {
   verb->app
       .add_option("SOURCE", a->source, "The log: a file or folder; or a survey of HELIOS++ (.xml)")
       ->required();
-  verb->output("-o,--output", a->output, "The log as a ray cloud PLY; of a survey, a folder")
+  verb->output("-o,--output", a->output, "The log as a ray cloud PLY; for a survey, a folder")
       ->required()
       ->type_name("LOG.ply");
   add_options(*verb, pipeline::import_options(), a->options);

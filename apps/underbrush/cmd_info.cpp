@@ -233,14 +233,14 @@ void add_info(Program& program) {
   verb->app
       .add_option("FILE", a->file,
                   "A log, the folder of a model, scene, world of regions or set of primitives, a "
-                  "mesh or an "
-                  "annotation")
+                  "mesh or an annotation")
       ->required();
   verb->app
       .add_option("--leaves", a->leaves,
-                  "Print the inclination of the leaves instead (mean and sigma of arccos n_z, and "
-                  "epsilon), for the points of a log that are vegetation (by its labels, or else "
-                  "all that are not ground), 3 to 25 m away, or for all points")
+                  "Print the distribution of leaf inclinations instead: mean and sigma of arccos "
+                  "n_z, and epsilon. vegetation = of the returns of plants 3 to 25 m away, which "
+                  "the labels of the log give, or else all returns that are not of the ground; all "
+                  "= of all points")
       ->check(CLI::IsMember({"vegetation", "all"}));
 }
 

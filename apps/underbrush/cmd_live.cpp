@@ -28,17 +28,17 @@ void add_live(Program& program) {
                       fmt::format("listening on {}, token {}; Ctrl-C ends\n", address, token));
                 });
   };
-  const auto verb = add_verb(program, "Simulation", "live", "Fire sensors on demand, over gRPC",
+  const auto verb = add_verb(program, "Simulation", "live", "Simulate sensors on request (gRPC)",
                              "underbrush live model/ --sensor ouster-os1-128\n"
                              "  underbrush live model/ --rig rig.yaml --mover car=car.obj",
                              run);
   CLI::App& app = verb->app;
   app.add_option("MODEL", a->world.world,
-                 "A model, scene or world of regions, all of which is read, or a mesh")
+                 "A model, scene, world of regions or mesh; the whole world is read into memory")
       ->required();
   app.add_option("--sensor", a->world.sensor, "A sensor of the catalogue, or a YAML file");
-  app.add_option("--rig", a->world.rig, "All sensors of a vehicle")->type_name("RIG.yaml");
-  app.add_option("--mover", a->world.movers, "Add what clients move; may be repeated")
+  app.add_option("--rig", a->world.rig, "The sensors of a vehicle")->type_name("RIG.yaml");
+  app.add_option("--mover", a->world.movers, "Add an object that clients can move; may be repeated")
       ->type_name("NAME=MODEL");
   app.add_option("--worlds", a->worlds, "Folder of other worlds, which requests may name")
       ->type_name("FOLDER");

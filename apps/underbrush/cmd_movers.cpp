@@ -26,16 +26,17 @@ struct Arguments {
 void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
   app.add_option("LOG", a.log, "The log (ray cloud PLY)")->required();
-  verb.output("-o,--output", a.output, "The log with the returns of movers marked (ray cloud PLY)")
+  verb.output("-o,--output", a.output,
+              "The log with the returns of moving objects marked (ray cloud PLY)")
       ->type_name("MARKED.ply");
-  verb.output("--only", a.only, "The beams that met movers, as a log of their own")
+  verb.output("--only", a.only, "The beams that met moving objects, as a log")
       ->type_name("MOVERS.ply");
   app.add_option("--truth", a.truth,
-                 "Hold the marks against labelled boxes (CSV with frame and track_id) or lists of "
+                 "Compare the marks with labelled boxes (CSV with frame and track_id) or lists of "
                  "objects")
       ->type_name("FILE");
   app.add_option("--truth-elevation-deg", a.truth_elevation_deg,
-                 "Turn labelled boxes up by this angle, as import turned the beams")
+                 "Turn labelled boxes up by this angle, if import turned the beams by it")
       ->capture_default_str();
   app::add_options(verb, movers::mover_options(), a.options);
 }
@@ -120,7 +121,7 @@ void add_movers(Program& program) {
   using namespace movers_verb;
   auto a = std::make_shared<Arguments>();
   const auto verb =
-      add_verb(program, "Logs", "movers", "Mark the returns of what moved during a log",
+      add_verb(program, "Logs", "movers", "Mark the returns of objects that moved during a log",
                "underbrush movers log.ply -o marked.ply && underbrush fit marked.ply -o model/\n"
                "  underbrush movers log.ply -o marked.ply --only cars.ply --truth objects.csv",
                [a](const Verb& v) { run(v, *a); });

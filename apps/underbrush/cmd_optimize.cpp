@@ -41,8 +41,8 @@ void add_options(Verb& verb, Arguments& a) {
       ->required()
       ->type_name("PARAMS.yaml");
   app.add_option("--objective", a.objective,
-                 "What is minimised: mean packet error + 2 (1 - F1), or the mean negative "
-                 "log-likelihood of a beam")
+                 "What is minimised: packet_f1 = mean packet error + 2 (1 - F1); nll = the mean "
+                 "negative log-likelihood of a beam")
       ->check(CLI::IsMember(optimize::objectives()))
       ->capture_default_str();
   app.add_option("--tune", a.tune, "Options of fit to tune instead of the usual ones")
@@ -56,8 +56,8 @@ void add_options(Verb& verb, Arguments& a) {
       ->type_name("FROM TO")
       ->capture_default_str();
   app.add_option("--validate", a.cut.one_in,
-                 "Hold one scan in this many out of the fit, to score it (with few scans: groups "
-                 "of beams of each scan)")
+                 "Score every N-th scan and fit the others; where there are fewer than N scans, "
+                 "groups of beams take the place of scans")
       ->check(CLI::Range(2, 1 << 30))
       ->capture_default_str();
   verb.begin_rare_group("Search");
@@ -80,7 +80,7 @@ void add_options(Verb& verb, Arguments& a) {
                               "instead; the result is for 'compose --config'")
                    ->type_name("SITE.json");
   auto* set = app.add_option("--primitives", a.primitives,
-                             "Primitives to compose the scene from, as for compose")
+                             "The primitives from which the scene is composed, as for compose")
                   ->type_name("PRIMITIVES");
   site->needs(set);
   set->needs(site);

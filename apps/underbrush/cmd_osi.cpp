@@ -104,12 +104,12 @@ void add_osi(Program& program) {
       ->required()
       ->check(CLI::IsMember({"info", "record", "replay", "convert"}));
   app.add_option("INPUT", a->input,
-                 "A trace (.osi: SensorView, SensorData or GroundTruth); record: a log; convert: "
-                 "also lists of objects (.csv, .json)")
+                 "A trace (.osi: SensorView, SensorData or GroundTruth). For record it is a log; "
+                 "convert also takes lists of objects (.csv, .json)")
       ->required();
   verb->output("-o,--output", a->output,
-               "A trace (.osi); replay and convert: also lists of objects (.csv, .json); convert: "
-               "also a log (.ply)")
+               "A trace (.osi). replay and convert also write lists of objects (.csv, .json), and "
+               "convert a log (.ply)")
       ->type_name("FILE");
   add_options(*verb, osi::osi_options(), a->options, "Replay");
 }

@@ -28,18 +28,18 @@ void add_options(Verb& verb, Arguments& a) {
   verb.app.add_option("LOG", a.log, "The log (ray cloud PLY)")->required();
   const auto table = perception::perceive_options();
   app::add_options(verb, table.first(2), a.options);
-  verb.output("-o,--output", a.output, "The lists of objects: .json, .osi (SensorData), else CSV")
+  verb.output("-o,--output", a.output, "The lists of objects: .json, .osi (SensorData), or CSV")
       ->type_name("OBJECTS");
   verb.output("--write-truth", a.write_truth,
-              "The truth of each scan as lists: .json, .osi, else CSV")
+              "The true objects of each scan as lists: .json, .osi, or CSV")
       ->type_name("OBJECTS");
   verb.output("--report", a.report, "Write a report (one HTML file) into this folder",
               {"index.html"})
       ->type_name("DIR");
   verb.output(
           "--grid", a.grid,
-          "Map free, permeable and solid cells around the vehicle: .png of the last cycle, else "
-          "JSON of all")
+          "Write a map of free, permeable and solid cells around the vehicle: the last cycle as "
+          ".png, or else all cycles as JSON")
       ->type_name("GRID");
   app::add_options(verb, table.subspan(2), a.options);
 }

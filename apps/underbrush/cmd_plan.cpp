@@ -139,12 +139,12 @@ void add_plan(Program& program) {
                              "  underbrush plan --status plan/\n"
                              "  underbrush plan --slurm plan/ | sh",
                              [a](const Verb& v) { plan(v, *a); });
-  verb->app.add_option("JOB", a->job, "The job's file: a command, and what it is repeated over")
+  verb->app.add_option("JOB", a->job, "File with a command and the inputs to repeat it for")
       ->type_name("JOB.yaml");
   verb->output("-o,--output", a->output, "The folder of the plan");
   verb->app.add_flag("--estimate", a->estimate,
-                     "Run small parts of the job, and say what all of it will cost");
-  verb->app.add_option("--status", a->status, "Say which tasks are done, failed and missing")
+                     "Run small parts of the job, and estimate its time, memory and output");
+  verb->app.add_option("--status", a->status, "Print which tasks are done, failed and missing")
       ->type_name("PLAN");
   verb->app.add_option("--slurm", a->slurm, "Print a script that submits the plan to Slurm")
       ->type_name("PLAN");
@@ -157,7 +157,7 @@ void add_run(Program& program) {
   const auto verb = add_verb(program, "Jobs", "run", "Run a task of a plan, unless it is done",
                              "underbrush run plan/ --task 3", [a](const Verb& v) { run(v, *a); });
   verb->app.add_option("PLAN", a->job, "The folder of the plan")->required();
-  verb->app.add_option("--task", a->task, "The number of the task, from 0")->required();
+  verb->app.add_option("--task", a->task, "Number of the task, counted from 0")->required();
 }
 
 void add_merge(Program& program) {

@@ -65,7 +65,7 @@ void add_primitives(Program& program) {
   using namespace primitives_verb;
   auto a = std::make_shared<Arguments>();
   const auto verb =
-      add_verb(program, "Scenes", "primitives", "Merge sets of primitives, and search in them",
+      add_verb(program, "Scenes", "primitives", "Merge sets of primitives, or search in them",
                "underbrush primitives merge a/ b/ --of-site creek meadow --of-license CC-BY-4.0 -o "
                "library/\n"
                "  underbrush primitives list library/ --class tree --min-height 4 --season summer\n"

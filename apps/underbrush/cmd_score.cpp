@@ -30,15 +30,15 @@ void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
   app.add_option("REAL", a.real, "The real log, or real lists of objects (CSV, JSON)")->required();
   app.add_option("SIMULATED", a.simulated,
-                 "One or several simulated logs, of the same beams but with --protocol clouds")
+                 "Simulated logs. Their beams must be those of REAL, except with --protocol clouds")
       ->required();
   app.add_option("--model", a.models,
                  "Model, scene or world of each simulated log, in order; adds likelihood and CRPS")
       ->type_name("MODEL")
       ->allow_extra_args(false);
   app.add_option("--train", a.train,
-                 "The log that the models were fitted to; adds the look-up, and the baseline that "
-                 "always hits takes its ranges from it")
+                 "The log that the models were fitted to. The baseline look-up is then scored, "
+                 "too, and the baseline always hit takes its ranges from this log")
       ->type_name("LOG");
   app.add_option("--name", a.names, "Name of each simulated log in the results, in order")
       ->allow_extra_args(false);
@@ -46,22 +46,22 @@ void add_options(Verb& verb, Arguments& a) {
               {"index.html"})
       ->type_name("DIR");
   app.add_option("--truth", a.truth,
-                 "True lists of objects; adds the errors of lists, [rosenberger20] Table 1")
+                 "True lists of objects; adds the errors of lists ([rosenberger20] Table 1)")
       ->type_name("OBJECTS");
   verb.begin_rare_group();
   app.add_option(
          "--protocol", a.protocol,
-         "Other scores: kitti360 adds those of range images of 66 x 1030 pixels, as learned "
-         "simulators are scored on KITTI-360; clouds compares logs that share no beams as point "
+         "Other scores: kitti360 adds scores of range images of 66 x 1030 pixels, by which learned "
+         "simulators are compared on KITTI-360; clouds compares logs that share no beams as point "
          "clouds")
       ->check(CLI::IsMember({"kitti360", "clouds"}));
-  app.add_option("--memory", a.memory, "Memory for the regions of a world that are open at a time")
+  app.add_option("--memory", a.memory, "Largest memory of the loaded regions of a world")
       ->type_name("SIZE")
       ->capture_default_str();
   app.add_flag(
       "--repeats", a.repeats,
-      "Add a comparison of scans from one place with equal directions: how ranges change from scan "
-      "to scan, and the distance of bearing x range histograms");
+      "Compare scans that have one place and equal directions, too: how ranges change from scan to "
+      "scan, and the distance of their bearing x range histograms");
 }
 
 void score_clouds(const Verb& verb, const Arguments& a, const std::vector<Candidate>& candidates) {

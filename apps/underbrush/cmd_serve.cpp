@@ -56,7 +56,7 @@ void add_serve(Program& program) {
   using namespace serve_verb;
   auto a = std::make_shared<Arguments>();
   const auto verb =
-      add_verb(program, "Start", "serve", "Look at logs, models, scenes and scores in the browser",
+      add_verb(program, "Start", "serve", "Show logs, models, scenes and scores in the browser",
                "underbrush serve log.ply model/\n"
                "  underbrush serve folder/\n"
                "  underbrush serve log.ply --labels work/",
@@ -64,8 +64,8 @@ void add_serve(Program& program) {
   CLI::App& app = verb->app;
   app.add_option(
          "PATH", a->paths,
-         "Logs, folders of models, scenes, worlds of regions (all of which are read) or sets of "
-         "primitives, scores (score --json), or folders of these; nothing else is read")
+         "Logs, scores (score --json), folders of models, scenes, worlds of regions or sets of "
+         "primitives, or folders of these. A world is read as a whole; no other file is read")
       ->required();
   verb->not_of_result(app.add_option("--port", a->port, "Port of this machine; 0 = a free one")
                           ->check(CLI::Range(0, 65535))
@@ -77,8 +77,8 @@ void add_serve(Program& program) {
           ->type_name("FOLDER"));
   verb->not_of_result(
       app.add_option("--labels", a->labels,
-                     "Label logs, place boxes and start commands on the page, and write to this "
-                     "folder alone; without it nothing is written")
+                     "Allow the page to label logs, place boxes and start commands, and to write "
+                     "to this folder alone; without this option nothing is written")
           ->type_name("FOLDER"));
 }
 

@@ -48,15 +48,14 @@ MoverWords mover_words(const std::string& text) {
 }
 
 void add_beam_options(CLI::App& app, Arguments& a) {
-  auto* like = app.add_option("--like", a.like, "Simulate the beams of this log, not of --sensor")
-                   ->type_name("LOG");
+  auto* like = app.add_option("--like", a.like, "Simulate the beams of this log")->type_name("LOG");
   auto* sensor =
       app.add_option("--sensor", a.sensor, "Simulate a sensor of the catalogue (or a YAML file)");
   auto* rig =
       app.add_option("--rig", a.rig, "Simulate all sensors of a vehicle")->type_name("RIG.yaml");
-  auto* trajectory =
-      app.add_option("--trajectory", a.trajectory, "Poses of the sensor or vehicle: TUM, or a log")
-          ->type_name("POSES");
+  auto* trajectory = app.add_option("--trajectory", a.trajectory,
+                                    "Poses of the sensor or vehicle: TUM file or log")
+                         ->type_name("POSES");
   like->excludes(trajectory);
   rig->excludes(sensor);
   rig->needs(trajectory);
@@ -71,14 +70,14 @@ void add_world_options(Verb& verb, Arguments& a) {
       ->type_name("MODEL:POSES.txt[:MATERIAL]")
       ->take_all();
   verb.begin_rare_group("Meshes and scenes of HELIOS++");
-  app.add_option("--up", a.up, "Axis that points up in a mesh; in glTF it always is y")
+  app.add_option("--up", a.up, "Axis that points up in a mesh; in glTF files it is always y")
       ->check(CLI::IsMember({"y", "z"}))
       ->capture_default_str();
   app.add_option("--unit", a.world.mesh.unit_m, "Length of the unit of a mesh, m")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--assets", a.assets,
-                 "Folder in which a scene of HELIOS++ has its files, besides its own")
+                 "Folder with the files of a scene of HELIOS++, besides the folder of the scene")
       ->type_name("FOLDER");
 }
 
@@ -90,15 +89,15 @@ void add_options(Verb& verb, Arguments& a) {
          "as a mesh")
       ->required();
   verb.output("-o,--output", a.output,
-              "The simulated log: .ply, .ublog, .pcd, .csv, or a folder/ of KITTI .bin files (with "
-              "--profile: of PCD files)")
+              "The simulated log: a .ply, .ublog, .pcd or .csv file, or a folder/ for KITTI .bin "
+              "files (with --profile: for PCD files)")
       ->required();
   add_beam_options(app, a);
   app::add_options(verb, pipeline::simulate_options(), a.options, "Instrument");
   verb.begin_group("Instrument");
   verb.output("--waveforms", a.waveforms,
-              "Write digitised waveforms as a table or a plot, or those of all beams as .waves; "
-              "may be repeated")
+              "Write digitised waveforms: some beams as a table (.csv) or a plot (.svg), or all "
+              "beams as .waves; may be repeated")
       ->type_name("FILE")
       ->take_all();
   verb.begin_rare_group("Drivers");
@@ -218,14 +217,14 @@ std::string text_of_model(const Done& done, const elements::Model& model) {
   }
   if (model.keyframes) {
     text += done.simulation.keyframes_serve(done.beams)
-                ? fmt::format("  keyframes   beams near {} of them are answered as recorded\n",
+                ? fmt::format("  keyframes   used for beams near {} of them\n",
                               model.keyframes->frames.size())
                 : fmt::format(
                       "  keyframes   not used: they are of beams of {} with one echo, without "
                       "--element-ids{}\n",
                       model.sensor.empty() ? "the model's log" : printable(model.sensor),
                       done.beams.sensor.empty() && !model.sensor.empty()
-                          ? "; these beams name no sensor (import --sensor)"
+                          ? "; the log of these beams names no sensor (import --deskew)"
                           : "");
   }
   return text;

@@ -46,8 +46,8 @@ void add_split(Program& program) {
                              "underbrush split log.ply --every 2 --train train.ply --test test.ply",
                              [a](const Verb& v) { run(v, *a); });
   verb->app.add_option("LOG", a->log, "The log")->required();
-  verb->output("--train", a->train, "Where the beams that are kept for fitting go")->required();
-  verb->output("--test", a->test, "Where the beams that are held out go")->required();
+  verb->output("--train", a->train, "The log of the beams that are kept for fitting")->required();
+  verb->output("--test", a->test, "The log of the beams that are held out")->required();
   add_options(*verb, pipeline::split_options(), a->options, "What is held out (one of)");
 }
 

@@ -10,7 +10,7 @@ class FitParameters(TypedDict, total=False):
     """Options of `fit`, as docs/reference/parameters.md lists them."""
 
     fitter: str  #: How the model is made (default likelihood).
-    min_range: float  #: Leave out nearer returns (of the own vehicle) (m; default 0).
+    min_range: float  #: Leave out returns nearer than this; they may be on the own vehicle (m; default 0).
     tile: float  #: Side of a tile; memory grows with it (m; default 32).
     ranges_as_given: bool  #: Learn no range offsets of the sensor's channels (default false).
     clusters_per_point: float  #: Number of ellipsoids per point (default 0.1).
@@ -22,13 +22,14 @@ class FitParameters(TypedDict, total=False):
     voxel_bounded: bool  #: A beam meets a Gaussian only within the Gaussian's own voxel (default false).
     top_down_min_points: int  #: Least number of points of each half of a cluster that is split (default 10).
     bottom_up_cell: float  #: Side of the cubes whose points make the first clusters (m; default 0.1).
-    surface_cell: float  #: Cell of the marching cubes (m; default 0.1).
-    surface_kernel: float  #: Radius of the kernel (m; default 0.8).
+    surface_cell: float  #: Side of the cells of the marching cubes (m; default 0.1).
+    surface_kernel: float  #: Radius of the kernel that smooths the surface (m; default 0.8).
     surface_least_kernel: float  #: Radius down to which the kernel is halved where points are dense (m; default 0.2).
-    #: Largest offset of the points' mean from the surface; the surface has a hole where it is larger (kernels;
-    #: default 0.3).
+    #: Largest offset of the points' mean from the surface; the surface has a hole where the offset is larger
+    #: (kernels; default 0.3).
     surface_border: float
-    #: Standard deviation of the simulated range; 0 = that of the residuals along the beams (m; default 0).
+    #: Standard deviation of the simulated range; 0 = the standard deviation of the residuals along the beams (m;
+    #: default 0).
     surface_noise: float
     surface_carve: bool  #: Leave out triangles that most beams passed (default false).
     ground_method: str  #: Ground segmentation (default lower_envelope).
@@ -74,34 +75,39 @@ class SimulateParameters(TypedDict, total=False):
     #: Add columns for the element at which each beam ended and for its class; for a scene also for its instance
     #: (default false).
     element_ids: bool
-    beams: str  #: Answer only the beams FIRST to END - 1, numbered from 0, as they are answered among all.
-    memory: str  #: Memory for the regions of a world that are open at a time (default 2GiB).
+    #: Simulate only the beams FIRST to END - 1; the first beam has the number 0. Their results are those of a
+    #: simulation of all beams.
+    beams: str
+    memory: str  #: Largest memory of the loaded regions of a world (default 2GiB).
     #: Trace several sub-rays in each beam and compute light, waveform and echoes: a number, COLUMNSxROWS, or sensor
     #: for the number in the sensor's data file.
     super_sample: str
-    returns: str  #: The echoes that are reported: strongest, first, last, or up to N (default: the sensor's).
-    #: Whether leaves and stones are drawn once, so that neighbouring beams and later scans meet the same ones, or
-    #: anew for each beam; still is once also where those of the model sway (default once).
+    returns: str  #: The reported echoes: strongest, first, last, or up to N (default: those of the sensor).
+    #: How leaves and stones are drawn at random: once = neighbouring beams and later scans meet the same ones, and
+    #: leaves sway if those of the model do; still = the same, but no leaf sways; anew = each beam meets leaves and
+    #: stones of its own (default once).
     matter: str
-    #: Size of the cells in which matter that is drawn once is all there or all absent; 0 = the model's (m; default
+    #: Side of the cells in which matter that is drawn once is all there or absent; 0 = as in the model (m; default
     #: 0).
     grain: float
-    tau: float  #: Mahalanobis distance within which a beam meets an ellipsoid; 0 = the model's (default 0).
-    #: Correlation time of leaves that sway; 0 = the model's, whose leaves stand still unless its log shows
-    #: otherwise (s; default 0).
+    tau: float  #: Mahalanobis distance within which a beam meets an ellipsoid; 0 = as in the model (default 0).
+    #: Correlation time of leaves that sway; 0 = the time that fit learnt, and leaves stand still if the log did not
+    #: show that they move (s; default 0).
     wind: float
     support: bool  #: Add a column with the probability that a beam does not end in unknown space (default false).
-    #: How the range in an ellipsoid is drawn: along the beam, or in the ellipsoid's volume; median takes the median
-    #: of the beam's distribution, which has the least error (default on_ray).
+    #: How the range of a beam is chosen: on_ray = at random along the beam; volumetric = at random in the volume of
+    #: the ellipsoid; median = the median of the beam's distribution, which has the least error (default on_ray).
     draw: str
-    #: Whether a return has the expected intensity of its element, or one that is drawn with the element's spread;
-    #: for models of logs with intensities (default mean).
+    #: The intensity of a return, for models of logs with intensities: mean = the expected intensity of the element;
+    #: drawn = a random one with the spread of the element (default mean).
     intensity: str
-    beam: str  #: Whether the ray is traced on the beam's axis, or drawn from the sensor's cone (default thin).
-    max_range: float  #: Maximum range; 0 = the log's or the sensor's (m; default 0).
+    #: Where the ray of a beam is traced: thin = on the axis; random = in a random direction within the cone of the
+    #: sensor's beam (default thin).
+    beam: str
+    max_range: float  #: Maximum range; 0 = that of the log or sensor (m; default 0).
     range_noise: float  #: Standard deviation of additional noise on every range (m; default 0).
-    #: Trace all sub-rays of every beam; without it, beams of 26 or more are traced with 13 sub-rays where these
-    #: agree (default false).
+    #: Trace all sub-rays of every beam; without this option, a beam of 26 or more sub-rays is computed from 13 of
+    #: them where their ranges agree (default false).
     all_sub_rays: bool
     materials: str | os.PathLike[str]  #: A table of materials that replaces the built-in one.
     material: Sequence[str]  #: The material of a class; may be repeated.
@@ -125,19 +131,20 @@ class ImportParameters(TypedDict, total=False):
     labels: str | os.PathLike[str]  #: Labels of a single scan, a SemanticKITTI .label file.
     label_set: str  #: Label set of the column class (default: semantickitti for .label files).
     keep: str  #: Read only the points with this value of a column, such as first returns: target_index=1.
-    columns: str  #: Names of the columns of a .bin or text file that does not say them: x,y,z,intensity,ring.
+    columns: str  #: Names of the columns, for .bin and text files without a header: x,y,z,intensity,ring.
     unit: str  #: Unit of the coordinates of scans (default m).
-    assets: str | os.PathLike[str]  #: Folder in which a survey of HELIOS++ has its files, besides its own.
+    assets: str | os.PathLike[str]  #: Folder with the files of a survey of HELIOS++, besides the folder of the survey.
     frames: str  #: Scans to read, by number, half-open: A:B or A:B:STEP.
-    deskew: str  #: Give every beam its own pose by this sensor's timing, for raw scans.
-    times_as_given: bool  #: With --deskew: fit no clock to scan times that were rounded (default false).
-    #: Leave out beams without a return that point lower than this elevation, as at the own vehicle; by default
-    #: inferred ones below -13 and no recorded ones.
+    deskew: str  #: Compute a pose for every beam from the timing of this sensor, for raw scans.
+    #: With --deskew: use the times of scans unchanged instead of fitting a clock to rounded ones (default false).
+    times_as_given: bool
+    #: Leave out misses below this elevation, where beams may end at the own vehicle; by default, inferred misses
+    #: below -13 are left out, and all recorded misses are kept.
     unknown_below_deg: float
     #: Turn every beam up by this angle, for a known fault of the recording (KITTI: 0.205) (default 0).
     elevation_offset_deg: float
     infer_misses: str  #: Infer misses from this sensor's scan pattern, for formats that drop them.
-    max_range: float  #: Range of a miss; 0 = the sensor's or the log's own (m; default 0).
+    max_range: float  #: Range of a miss; 0 = the maximum range of the sensor or of the log (m; default 0).
     #: The points are in the world frame already, and the poses only give the place of the sensor (default false).
     points_in_world: bool
 
@@ -145,13 +152,15 @@ class ImportParameters(TypedDict, total=False):
 class SplitParameters(TypedDict, total=False):
     """Options of `split`, as docs/reference/command-line.md lists them."""
 
-    every: int  #: Every K-th scan.
-    #: Every K-th column of each scan: the beams fired at one time (where the log has no times of beams: in one
-    #: packet).
+    every: int  #: Hold out one scan of every N.
+    #: Hold out one column of every N in each scan; a column has the beams that were fired at one time, or those of
+    #: one packet if the log has no times of beams.
     columns: int
-    time: Sequence[float]  #: Scans whose time lies in [FROM, TO), s after the log's start.
-    region: Sequence[float]  #: Scans whose sensor stands in this rectangle of the world, m.
-    offset: int  #: With --every and --columns: number (mod K) that is held out (default 1).
+    time: Sequence[float]  #: Hold out the scans whose time lies in [FROM, TO), s after the log's start.
+    region: Sequence[float]  #: Hold out the scans whose sensor stands in this rectangle of the world, m.
+    #: With --every and --columns: number of the scan or column that is held out in each group of N, counted from 0
+    #: (default 1).
+    offset: int
 
 
 class SegmentParameters(TypedDict, total=False):
@@ -161,16 +170,20 @@ class SegmentParameters(TypedDict, total=False):
     #: instance (also the log itself).
     labels: str | os.PathLike[str]
     label_set: str  #: Label set that gives the numbers of --labels their meaning.
-    truth: str  #: Column of the log with the numbers of the true trees, to score against (default instance).
+    truth: str  #: Column of the log with the numbers of the true trees, for comparison (default instance).
     ground_method: str  #: Method of ground segmentation (default lower_envelope).
     min_range: float  #: Ignore hits nearer than this, m, such as those on the own vehicle (default 0).
     tile: float  #: Side of a tile of the ground segmentation (m; default 32).
-    cell: float  #: Side of a column; 0 = 0.4, more where points are sparse (m; default 0).
-    gap: float  #: Empty height that separates objects in a column; 0 = by the column's side (m; default 0).
+    cell: float  #: Side of a column; 0 = 0.4, or more where points are sparse (m; default 0).
+    gap: float  #: Empty height that separates objects in a column; 0 = by the side of the column (m; default 0).
     min_points: int  #: Least number of points of an object (default 10).
-    spacing: float  #: Treat peaks nearer to each other than this as one crown; grows with height (m; default 1.2).
-    prominence: float  #: Join crowns whose dip between them is less deep than this; grows with height (m; default 0.3).
-    radius: float  #: Largest reach of a crown from its peak; grows with height (m; default 1.5).
+    #: Distance below which two tree tops are one crown; 6 % of the tree's height is added (m; default 1.2).
+    spacing: float
+    #: Join two crowns if the dip of the canopy between their tops is less deep than this; 4 % of the tree's height
+    #: is added (m; default 0.3).
+    prominence: float
+    #: Largest distance of the edge of a crown from its top; 30 % of the tree's height is added (m; default 1.5).
+    radius: float
     foot: float  #: Largest width of a tree's foot under its crown (m; default 1).
     tree_height: float  #: Least height of a tree; lower objects are shrubs (m; default 3).
     small_shrub_height: float  #: Least height of a small shrub; lower ones are low shrubs (m; default 0.5).
@@ -185,21 +198,23 @@ class MoversParameters(TypedDict, total=False):
     #: Times before and after a scan at which other scans are compared with it (s; default
     #: 0.1,0.2,0.3,0.5,0.8,1.2,2,3,4.5,6).
     look_s: Sequence[float]
-    least_empty: int  #: Number of the outermost scans in which the place of a mover must be empty (default 3).
+    #: A return counts as moving if its place is empty in the N first or the N last of the compared scans that
+    #: measured the place (default 3).
+    least_empty: int
     cell_deg: float  #: Width of the cells in which scans are compared (degrees; default 0.5).
     max_range: float  #: Largest range of the returns that may be marked (m; default 80).
-    #: Largest difference of two ranges of one surface, to which 1 % of the range is added (m; default 0.3).
-    same_m: float
-    least_points: int  #: Returns of the smallest mover in a scan (default 12).
+    same_m: float  #: Largest difference of two ranges of one surface; 1 % of the range is added (m; default 0.3).
+    least_points: int  #: Least number of returns of a moving object in a scan (default 12).
 
 
 class ActorsParameters(TypedDict, total=False):
     """Options of `actors`, as docs/reference/command-line.md lists them."""
 
-    margin: float  #: Returns up to this far outside of a box belong to its object (m; default 0.3).
-    foot: float  #: Returns up to this height above the bottom of a box are those of the ground (m; default 0.15).
+    margin: float  #: Distance outside a box up to which returns belong to the object of the box (m; default 0.3).
+    foot: float  #: Height above the bottom of a box up to which returns are those of the ground (m; default 0.15).
     least_returns: int  #: Leave out objects with fewer returns in all scans (default 30).
-    walk: float  #: Time for which a pedestrian is rigid; each part of a walk has a model of its own (s; default 0.5).
+    #: Time for which a pedestrian is treated as rigid; each such part of a walk has its own model (s; default 0.5).
+    walk: float
     poses_as_given: bool  #: Keep the poses of the boxes instead of registering the scans of an object (default false).
     #: Leave the unseen side of vehicles and cyclists empty instead of mirroring the other side (default false).
     one_sided: bool
@@ -208,13 +223,13 @@ class ActorsParameters(TypedDict, total=False):
 class ExtractParameters(TypedDict, total=False):
     """Options of `extract`, as docs/reference/command-line.md lists them."""
 
-    #: Fit boxes to the points from this quantile to 1 − it along each axis; 0 = all points (0.05 in the code of
-    #: [tallavajhula18]'s authors) (default 0).
+    #: Fit each box to the points between the quantiles X and 1 − X along each axis; 0 = all points (the code of the
+    #: authors of [tallavajhula18] has 0.05) (default 0).
     box_quantile: float
-    #: Elements that an object takes: all those centred in its box, or only its own, which lie among its points
-    #: (default own).
+    #: Which elements belong to an object: box = all whose centres lie in its box; own = those of them that also lie
+    #: among its points (default own).
     elements: str
-    #: Leave out ellipsoids at which a smaller share of the beams that met them ended (default 0).
+    #: Leave out ellipsoids that stopped less than this share of the beams that met them (default 0).
     free_space_below: float
     patch_cell: float  #: Side of the cells that patches of shrubs are cut into (m; default 2).
     min_elements: int  #: Leave out objects and cells with fewer elements (default 1).
@@ -224,12 +239,12 @@ class ExtractParameters(TypedDict, total=False):
 class ComposeParameters(TypedDict, total=False):
     """Options of `compose`, as docs/reference/command-line.md lists them."""
 
-    #: Primitive of its class that an object gets: the one with the nearest box; the one that fits best, adapted to
-    #: where the object's points lie and how many beams it stops, and no plant twice within 20 m if others fit; or
-    #: any (default best).
+    #: How the primitive of an object is chosen in its class: box = the nearest box; best = the best fit to the
+    #: object's points and beams, adapted to them, and no plant twice within 20 m if others fit; random = any
+    #: (default best).
     choose: str
-    nearest: int  #: Draw each primitive among this many that fit best (default 1).
-    scale: bool  #: Scale primitives to their boxes (default false).
+    nearest: int  #: Choose each primitive at random among the N best ones (default 1).
+    scale: bool  #: Scale each primitive to the box of its object (default false).
     #: Use no primitive that was cut from an object whose box overlaps one of this annotation, as seen from above.
     leave_out: Sequence[str]
     allow_outside: bool  #: Follow paths of the annotation that lead out of its folder (default false).
@@ -242,39 +257,46 @@ class PerceiveParameters(TypedDict, total=False):
     #: The true objects: labelled boxes in the sensor's frame (CSV with frame and track_id), or lists of objects in
     #: the world's frame (CSV, JSON, or an OSI trace).
     truth: str | os.PathLike[str]
-    pipeline: str  #: The tracking model, which assigns points by the truth, or a real pipeline (default model).
-    rig: str | os.PathLike[str]  #: The sensors of the vehicle, for a log of several.
+    #: How objects are found: model = the tracking model, which assigns points to true objects; real = without the
+    #: truth (default model).
+    pipeline: str
+    rig: str | os.PathLike[str]  #: File with the sensors of the vehicle, for a log of several sensors.
     min_range: float  #: Ignore hits nearer than this, m, such as those on the own vehicle (default 0).
     #: Height of the sensor above the ground, on which the vehicle's frame stands; the file of a rig has the heights
     #: of its sensors (m; default 0).
     sensor_height: float
-    truth_elevation_deg: float  #: Turn labelled boxes up by this angle, as import turned the beams (default 0).
+    truth_elevation_deg: float  #: Turn labelled boxes up by this angle, if import turned the beams by it (default 0).
     no_deskew: bool  #: Ignore the vehicle's motion within a cycle (default false).
-    #: When an object is listed: by its probability, after --needed cycles in a row with points, or after --needed
-    #: of --window cycles (default probability).
+    #: When an object is listed: probability = when its probability of existence is high enough; in-a-row = after
+    #: --needed cycles with points in a row; out-of = after points in --needed of --window cycles (default
+    #: probability).
     existence: str
-    gain: float  #: Probability that a cycle with points adds (default 0.2).
-    loss: float  #: Probability that a cycle without points subtracts (default 0.055).
-    threshold: float  #: Probability from which on an object is listed (default 0.5).
+    gain: float  #: Increase of an object's existence probability in a cycle in which it has points (default 0.2).
+    loss: float  #: Decrease of an object's existence probability in a cycle in which it has no points (default 0.055).
+    threshold: float  #: Least existence probability of a listed object (default 0.5).
     start_points: int  #: An object that is not listed needs more points than this number (default 3).
-    full_extent: float  #: Segments that are smaller than this add less; 0 = all add the same (m; default 0).
-    needed: int  #: Cycles with points (default 5).
-    window: int  #: Cycles among which they are counted (default 10).
-    #: Cycles without points after which an object is dropped, with --existence in-a-row or out-of (default 10).
+    #: Full size of a segment; smaller segments raise the existence probability less; 0 = all segments raise it
+    #: equally (m; default 0).
+    full_extent: float
+    needed: int  #: Number of cycles with points after which an object is listed (default 5).
+    window: int  #: Number of recent cycles among which those with points are counted (default 10).
+    #: Number of cycles in a row without points after which an object is dropped, with --existence in-a-row or out-
+    #: of (default 10).
     lost: int
     reference: str  #: The point that is tracked (default corner).
-    heading: str  #: Where the tracking model takes headings from (default points).
-    as_measured: bool  #: Report boxes as the points show them, not completed by the sizes of the class (default false).
+    heading: str  #: The source of the tracking model's headings (default points).
+    #: Report the boxes of the visible points instead of completing them to the sizes of the class (default false).
+    as_measured: bool
     ground: str  #: Ground removal of the real pipeline (default cone).
     latency_ms: float  #: Time from a cloud to its list (ms; default 0).
     #: Merge objects of the tracking model that are nearer to each other than the sensor resolves (default false).
     merge_close: bool
     merge_gap: float  #: Distance below which objects are always merged (m; default 0.3).
-    ghosts_per_s: float  #: Objects that do not exist, in each second (default 0).
-    ghost_life: float  #: Mean life of such an object (s; default 0.5).
+    ghosts_per_s: float  #: Mean number of ghost objects that appear per second (default 0).
+    ghost_life: float  #: Mean life of a ghost object (s; default 0.5).
     cell: float  #: Side of a cell (m; default 0.2).
     half_side: float  #: Distance that the grid reaches from the vehicle along x and y (m; default 40).
-    low: float  #: Matter counts from this height above the ground on (m; default 0.2).
-    high: float  #: Matter counts up to this height (m; default 2).
-    memory: float  #: Share of the evidence that stays from cycle to cycle (default 0.9).
-    label_probability: float  #: A cell that no state fills with this probability is unknown (default 0.6).
+    low: float  #: Lower bound of the heights above the ground that count as obstacles (m; default 0.2).
+    high: float  #: Upper bound of the heights above the ground that count as obstacles (m; default 2).
+    memory: float  #: Share of the evidence that is kept from cycle to cycle (default 0.9).
+    label_probability: float  #: A cell is unknown if no state has at least this probability (default 0.6).

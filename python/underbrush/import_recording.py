@@ -114,7 +114,7 @@ def report(options: argparse.Namespace, counts: dict[str, object], say: Callable
     inferred = f" ({counts['misses_inferred']} of them inferred)" if counts["misses_inferred"] else ""
     say(f"{counts['rows']} rows: {counts['hits']} hits, {counts['misses']} misses{inferred}")
     if counts["unknown"]:
-        say(f"  unknown     {counts['unknown']} beams that tell nothing: left out")
+        say(f"  unknown     {counts['unknown']} beams without a known end: left out")
     skipped = counts["skipped"]
     if isinstance(skipped, (dict, collections.Counter)):
         for why, n in skipped.items():

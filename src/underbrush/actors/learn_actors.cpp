@@ -113,13 +113,16 @@ std::span<const Option<ActorOptions>> actor_options() {
   using O = ActorOptions;
   // clang-format off
   static const Option<O> kOptions[] = {
-    {"margin", "", "m", "Returns up to this far outside of a box belong to its object",
+    {"margin", "", "m",
+     "Distance outside a box up to which returns belong to the object of the box",
      [](O& o) -> auto& { return o.boxes.margin_m; }, 0, 5},
-    {"foot", "", "m", "Returns up to this height above the bottom of a box are those of the ground",
+    {"foot", "", "m",
+     "Height above the bottom of a box up to which returns are those of the ground",
      [](O& o) -> auto& { return o.boxes.foot_m; }, 0, 5},
     {"least-returns", "", "", "Leave out objects with fewer returns in all scans",
      [](O& o) -> auto& { return o.least_returns; }, 10, 1e6},
-    {"walk", "", "s", "Time for which a pedestrian is rigid; each part of a walk has a model of its own",
+    {"walk", "", "s",
+     "Time for which a pedestrian is treated as rigid; each such part of a walk has its own model",
      [](O& o) -> auto& { return o.walk_s; }, 0.05, 1e6},
     {"poses-as-given", "", "", "Keep the poses of the boxes instead of registering the scans of an object",
      [](O& o) -> auto& { return o.poses_as_given; }},

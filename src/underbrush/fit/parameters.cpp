@@ -29,7 +29,8 @@ std::span<const Parameter> parameters() {
   static const Parameter kParameters[] = {
     {{"fitter", kCommon, "", "How the model is made", [](Options& o) -> auto& { return o.fitter; },
       -kNoLimit, kNoLimit, fitter_words()}, kHelp},
-    {{"min-range", kCommon, "m", "Leave out nearer returns (of the own vehicle)",
+    {{"min-range", kCommon, "m",
+     "Leave out returns nearer than this; they may be on the own vehicle",
      [](Options& o) -> auto& { return o.min_range_m; },
       0, 1000}, kHelp},
     {{"tile", kCommon, "m", "Side of a tile; memory grows with it",
@@ -64,10 +65,10 @@ std::span<const Parameter> parameters() {
      [](Options& o) -> auto& { return o.volumetric.bottom_up.cell_m; },
       0.005, 100}, kHelpAll, TuningRange{0.03, 0.5, kLog, kTuned}},
 
-    {{"surface-cell", kSurface, "m", "Cell of the marching cubes",
+    {{"surface-cell", kSurface, "m", "Side of the cells of the marching cubes",
      [](Options& o) -> auto& { return o.surface.cell_m; },
       0.005, 100}},
-    {{"surface-kernel", kSurface, "m", "Radius of the kernel",
+    {{"surface-kernel", kSurface, "m", "Radius of the kernel that smooths the surface",
      [](Options& o) -> auto& { return o.surface.kernel_m; },
       0.02, 100}, kHelpAll, TuningRange{0.2, 3, kLog, kTuned}},
     {{"surface-least-kernel", kSurface, "m",
@@ -75,12 +76,13 @@ std::span<const Parameter> parameters() {
      [](Options& o) -> auto& { return o.surface.least_kernel_m; },
       0.02, 100}, kReference, TuningRange{0.1, 1, kLog, kTuned}},
     {{"surface-border", kSurface, "kernels",
-     "Largest offset of the points' mean from the surface; the surface has a hole where it is "
-     "larger",
+     "Largest offset of the points' mean from the surface; the surface has a hole where the offset "
+     "is larger",
      [](Options& o) -> auto& { return o.surface.border; },
       kPositive, 10}, kReference, TuningRange{0.05, 0.9, kLinear, kTuned}},
     {{"surface-noise", kSurface, "m",
-     "Standard deviation of the simulated range; 0 = that of the residuals along the beams",
+     "Standard deviation of the simulated range; 0 = the standard deviation of the residuals along "
+     "the beams",
      [](Options& o) -> auto& { return o.surface.noise_m; },
       0, 10}, kReference},
     {{"surface-carve", kSurface, "", "Leave out triangles that most beams passed",

@@ -52,9 +52,8 @@ std::string text_of_set(const std::vector<std::string>& texts, size_t set, size_
   if (texts.empty()) return "";
   if (texts.size() != 1 && texts.size() != sets) {
     throw std::invalid_argument("primitives: " + std::string(what) +
-                                " needs one text, or one for "
-                                "each of " +
-                                std::to_string(sets) + " sets");
+                                " needs one text, or one for each of " + std::to_string(sets) +
+                                " sets");
   }
   return texts[texts.size() == 1 ? 0 : set];
 }
@@ -159,9 +158,11 @@ std::span<const Option<Options>> options() {
      [](O& o) -> auto& { return o.least_height_m; }, 0, 1000},
     {"max-height", "Search", "m", "Only primitives whose box is at most this high",
      [](O& o) -> auto& { return o.most_height_m; }, 0, 1000},
-    {"min-width", "Search", "m", "Only primitives the longer side of whose box is at least this",
+    {"min-width", "Search", "m",
+     "Only primitives whose box is at least this long (its longer side)",
      [](O& o) -> auto& { return o.least_width_m; }, 0, 1000},
-    {"max-width", "Search", "m", "Only primitives the longer side of whose box is at most this",
+    {"max-width", "Search", "m",
+     "Only primitives whose box is at most this long (its longer side)",
      [](O& o) -> auto& { return o.most_width_m; }, 0, 1000},
     {"site", "Search", "", "Only primitives of this site",
      [](O& o) -> auto& { return o.site; }, -kNoLimit, kNoLimit, {}, "NAME"},
@@ -169,13 +170,14 @@ std::span<const Option<Options>> options() {
      [](O& o) -> auto& { return o.season; }, -kNoLimit, kNoLimit, {}, "NAME"},
     {"sensor", "Search", "", "Only primitives that this sensor measured",
      [](O& o) -> auto& { return o.sensor; }, -kNoLimit, kNoLimit, {}, "NAME"},
-    {"of-site", "Merge", "", "The site of each set, or of all sets",
+    {"of-site", "Merge", "", "Name of the site of each set, or one name for all sets",
      [](O& o) -> auto& { return o.of_site; }, -kNoLimit, kNoLimit, {}, "NAME ..."},
-    {"of-season", "Merge", "", "The season of the log of each set, or of all sets",
+    {"of-season", "Merge", "",
+     "Season in which the log of each set was recorded, or one season for all sets",
      [](O& o) -> auto& { return o.of_season; }, -kNoLimit, kNoLimit, {}, "NAME ..."},
-    {"of-license", "Merge", "", "The licence of the log of each set, or of all sets",
+    {"of-license", "Merge", "", "Licence of the log of each set, or one licence for all sets",
      [](O& o) -> auto& { return o.of_license; }, -kNoLimit, kNoLimit, {}, "NAME ..."},
-    {"keep-duplicates", "Merge", "", "Keep primitives of the same plant",
+    {"keep-duplicates", "Merge", "", "Keep several primitives of one plant",
      [](O& o) -> auto& { return o.keep_duplicates; }},
   };
 // clang-format on

@@ -8,14 +8,16 @@ std::span<const Option<OsiOptions>> osi_options() {
   using O = OsiOptions;
   // clang-format off
   static const Option<O> kOptions[] = {
-    {"truth", "", "", "record: the ground truth: objects, as perceive takes them, or learnt actors",
+    {"truth", "", "",
+     "record: the true objects, in a file as perceive takes it or as a folder of learnt actors",
      [](O& o) -> auto& { return o.truth; }, -kNoLimit, kNoLimit, {}, "FILE|DIR"},
 
-    {"chain", "Replay", "", "The strategies and their parameters",
+    {"chain", "Replay", "", "File with the strategies and their parameters",
      [](O& o) -> auto& { return o.replay.chain; }, -kNoLimit, kNoLimit, {}, "CHAIN.yaml"},
     {"strategy", "Replay", "",
-     "Run this strategy; may be repeated. Without it and without --chain, all run: front_end, "
-     "alignment, tracking, classification, grid; without reflections or with --world behind a tracer",
+     "Run this strategy; may be repeated. Without it and --chain, all run: front_end, alignment, "
+     "tracking, classification, grid. A tracer runs before them if the trace has no reflections or "
+     "--world is given",
      [](O& o) -> auto& { return o.replay.strategies; }, -kNoLimit, kNoLimit, {},
      "NAME[:KEY=VALUE,...]"},
     {"sensor", "Replay", "", "The sensor of the tracer and the front end",
@@ -23,19 +25,20 @@ std::span<const Option<OsiOptions>> osi_options() {
     {"world", "Replay", "", "The model or scene that the tracer's rays meet",
      [](O& o) -> auto& { return o.replay.world; }, -kNoLimit, kNoLimit, {}, "DIR"},
     {"without-view", "Replay", "",
-     "Leave the SensorView out of the SensorData, which makes them small; the tracking model needs "
-     "its ground truth",
+     "Leave the SensorView out of the SensorData, so that the output is small; the tracking model "
+     "needs the ground truth of the SensorView",
      [](O& o) -> auto& { return o.without_view; }},
 
     {"actors", "More options", "",
-     "replay: learnt models for the tracer, each where the trace has what it is named after, else for "
-     "things of its class",
+     "replay: folder of learnt actors for the tracer. An object of the trace gets the actor of its "
+     "name, or else one of its class",
      [](O& o) -> auto& { return o.replay.actors; }, -kNoLimit, kNoLimit, {}, "DIR"},
     {"white", "More options", "",
-     "record, convert: the log's intensity of a white target, for signal strengths",
+     "record, convert: intensity of a white target in the log, from which signal strengths are "
+     "computed",
      [](O& o) -> auto& { return o.lidar.white_intensity; }, kPositive, kNoLimit},
     {"truth-elevation-deg", "More options", "",
-     "record: turn labelled boxes up by this angle, as import turned the beams",
+     "record: turn labelled boxes up by this angle, if import turned the beams by it",
      [](O& o) -> auto& { return o.truth_elevation_deg; }, -90, 90},
   };
 // clang-format on

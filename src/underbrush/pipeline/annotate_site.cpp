@@ -76,36 +76,37 @@ std::span<const Option<AnnotateOptions>> annotate_options() {
   // clang-format off
   static const Option<O> kOptions[] = {
     {"generate", "Generated site", "",
-     "Generate a site of this kind instead of reading a log; like = as --like",
+     "Generate a site of this kind instead of reading a log; like = one similar to that of --like",
      [](O& o) -> auto& { return o.generate; }, -kNoLimit, kNoLimit, {kinds.begin(), kinds.end()}},
     {"like", "Generated site", "",
      "Generate a site with the densities, sizes, distances and ground of the site of this annotation",
      [](O& o) -> auto& { return o.like; }, -kNoLimit, kNoLimit, {}, "SITE.json"},
     {"primitives", "Generated site", "",
-     "Generate only objects of classes of which this set has primitives",
+     "Generate only objects of the classes that this set of primitives has",
      [](O& o) -> auto& { return o.primitives; }, -kNoLimit, kNoLimit, {}, "PRIMITIVES"},
     {"density", "Generated site", "",
-     "Trees (in a meadow: shrubs) per m²; 0 = forest 0.05, savanna 0.003, meadow 0.01",
+     "Number of trees (in a meadow: of shrubs) per m²; 0 = 0.05 for a forest, 0.003 for a savanna, "
+     "0.01 for a meadow",
      [](O& o) -> auto& { return o.site.density; }, 0, 10},
     {"margin", "Generated site", "m", "Width of the border of the ground that stays empty",
      [](O& o) -> auto& { return o.site.margin_m; }, 0, 10000},
     {"size", "Generated site", "m", "Length and width of a generated ground",
      [](O& o) -> auto& { return o.size_m; }, 1, 20000, {}, "X Y", 2},
     {"parts", "Generated site", "m",
-     "Write a folder of square parts of this side, each an annotation with its ground, in the memory "
-     "of a row of parts; 0 = one annotation",
+     "Divide the site into squares of this side; each gets an annotation and a ground, and memory "
+     "holds one row of squares; 0 = one annotation",
      [](O& o) -> auto& { return o.part_m; }, 0, 20000},
 
     {"draws", "More options", "",
-     "With --like: sites drawn on the ground of SITE, for the intervals of their statistics; below 2 "
-     "= no statistics",
+     "With --like: number of random sites on the ground of SITE from which the intervals of its "
+     "statistics are computed; 0 or 1 = no statistics",
      [](O& o) -> auto& { return o.draws; }, 0, 1000},
     {"ground-spacing", "More options", "m",
      "Side of the triangles of a generated ground; a ground fitted to the log has nodes at half this "
      "distance",
      [](O& o) -> auto& { return o.ground_spacing_m; }, 0.05, 100},
     {"box-quantile", "More options", "",
-     "Fit boxes to the points from this quantile to 1 − it along each axis; 0 = all points",
+     "Fit each box to the points between the quantiles X and 1 − X along each axis; 0 = all points",
      [](O& o) -> auto& { return o.measure.quantile; }, 0, 0.49},
     {"patch-cell", "More options", "m", "Side of the cells that patches of shrubs are cut into",
      [](O& o) -> auto& { return o.measure.cell_m; }, 0.05, 1000},

@@ -65,17 +65,17 @@ std::span<const Option<ComposeOptions>> compose_options() {
   // clang-format off
   static const Option<O> kOptions[] = {
     {"choose", "", "",
-     "Primitive of its class that an object gets: the one with the nearest box; the one that fits "
-     "best, adapted to where the object's points lie and how many beams it stops, and no plant twice "
-     "within 20 m if others fit; or any",
+     "How the primitive of an object is chosen in its class: box = the nearest box; best = the "
+     "best fit to the object's points and beams, adapted to them, and no plant twice within 20 m "
+     "if others fit; random = any",
      [](O& o) -> auto& { return o.choose; }, -kNoLimit, kNoLimit, {"box", "best", "random"}},
-    {"nearest", "", "", "Draw each primitive among this many that fit best",
+    {"nearest", "", "", "Choose each primitive at random among the N best ones",
      [](O& o) -> auto& { return o.nearest; }, 1, kNoLimit},
-    {"scale", "", "", "Scale primitives to their boxes",
+    {"scale", "", "", "Scale each primitive to the box of its object",
      [](O& o) -> auto& { return o.scale; }},
     {"class-density", "", "",
-     "Objects for each annotated one of a class: below 1 leaves some out, above 1 adds more beside "
-     "them",
+     "Number of objects for each annotated object of a class: a factor below 1 leaves some out, "
+     "above 1 adds more",
      [](O& o) -> auto& { return o.class_density; }, -kNoLimit, kNoLimit, {}, "CLASS=FACTOR ..."},
     {"leave-out", "", "",
      "Use no primitive that was cut from an object whose box overlaps one of this annotation, as "

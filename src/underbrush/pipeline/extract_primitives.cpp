@@ -31,15 +31,15 @@ std::span<const Option<ExtractOptions>> extract_options() {
   // clang-format off
   static const Option<O> kOptions[] = {
     {"box-quantile", "More options", "",
-     "Fit boxes to the points from this quantile to 1 − it along each axis; 0 = all points (0.05 in "
-     "the code of [tallavajhula18]'s authors)",
+     "Fit each box to the points between the quantiles X and 1 − X along each axis; 0 = all points "
+     "(the code of the authors of [tallavajhula18] has 0.05)",
      [](O& o) -> auto& { return o.cut.measure.quantile; }, 0, 0.49},
     {"elements", "More options", "",
-     "Elements that an object takes: all those centred in its box, or only its own, which lie among "
-     "its points",
+     "Which elements belong to an object: box = all whose centres lie in its box; own = those of "
+     "them that also lie among its points",
      [](O& o) -> auto& { return o.elements; }, -kNoLimit, kNoLimit, {"own", "box"}},
     {"free-space-below", "More options", "",
-     "Leave out ellipsoids at which a smaller share of the beams that met them ended",
+     "Leave out ellipsoids that stopped less than this share of the beams that met them",
      [](O& o) -> auto& { return o.cut.free_space_below; }, 0, 1},
     {"patch-cell", "More options", "m", "Side of the cells that patches of shrubs are cut into",
      [](O& o) -> auto& { return o.cut.measure.cell_m; }, 0.05, 1000},

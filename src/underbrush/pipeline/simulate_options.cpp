@@ -18,10 +18,11 @@ std::span<const Option<SimulateOptions>> simulate_options() {
      [](O& o) -> auto& { return o.element_ids; }},
 
     {"beams", "Parts of a log", "",
-     "Answer only the beams FIRST to END - 1, numbered from 0, as they are answered among all",
+     "Simulate only the beams FIRST to END - 1; the first beam has the number 0. Their results are "
+     "those of a simulation of all beams",
      [](O& o) -> auto& { return o.beams; }, -kNoLimit, kNoLimit, {}, "FIRST:END"},
     {"memory", "Parts of a log", "",
-     "Memory for the regions of a world that are open at a time",
+     "Largest memory of the loaded regions of a world",
      [](O& o) -> auto& { return o.memory; }, -kNoLimit, kNoLimit, {}, "SIZE"},
 
     {"super-sample", "Instrument", "",
@@ -29,45 +30,50 @@ std::span<const Option<SimulateOptions>> simulate_options() {
      "COLUMNSxROWS, or sensor for the number in the sensor's data file",
      [](O& o) -> auto& { return o.instrument.super_sample; }, -kNoLimit, kNoLimit, {}, "N|NxM|sensor"},
     {"returns", "Instrument", "",
-     "The echoes that are reported: strongest, first, last, or up to N (default: the sensor's)",
+     "The reported echoes: strongest, first, last, or up to N (default: those of the sensor)",
      [](O& o) -> auto& { return o.instrument.returns; }, -kNoLimit, kNoLimit, {}, "MODE|N"},
 
     {"matter", "Matter", "",
-     "Whether leaves and stones are drawn once, so that neighbouring beams and later scans meet the "
-     "same ones, or anew for each beam; still is once also where those of the model sway",
+     "How leaves and stones are drawn at random: once = neighbouring beams and later scans meet "
+     "the same ones, and leaves sway if those of the model do; still = the same, but no leaf "
+     "sways; anew = each beam meets leaves and stones of its own",
      [](O& o) -> auto& { return o.matter; }, -kNoLimit, kNoLimit, {"once", "still", "anew"}},
     {"grain", "Matter", "m",
-     "Size of the cells in which matter that is drawn once is all there or all absent; 0 = the model's",
+     "Side of the cells in which matter that is drawn once is all there or absent; 0 = as in the "
+     "model",
      [](O& o) -> auto& { return o.grain_m; }, 0, 100},
-    {"tau", "Matter", "", "Mahalanobis distance within which a beam meets an ellipsoid; 0 = the model's",
+    {"tau", "Matter", "",
+     "Mahalanobis distance within which a beam meets an ellipsoid; 0 = as in the model",
      [](O& o) -> auto& { return o.tau; }, 0, 20},
     {"wind", "Matter", "s",
-     "Correlation time of leaves that sway; 0 = the model's, whose leaves stand still unless its log "
-     "shows otherwise",
+     "Correlation time of leaves that sway; 0 = the time that fit learnt, and leaves stand still "
+     "if the log did not show that they move",
      [](O& o) -> auto& { return o.sway_s; }, 0, 3600},
     {"support", "Matter", "",
      "Add a column with the probability that a beam does not end in unknown space",
      [](O& o) -> auto& { return o.support; }},
 
     {"draw", "Thin rays", "",
-     "How the range in an ellipsoid is drawn: along the beam, or in the ellipsoid's volume; median "
-     "takes the median of the beam's distribution, which has the least error",
+     "How the range of a beam is chosen: on_ray = at random along the beam; volumetric = at random "
+     "in the volume of the ellipsoid; median = the median of the beam's distribution, which has "
+     "the least error",
      [](O& o) -> auto& { return o.draw; }, -kNoLimit, kNoLimit, {"on_ray", "volumetric", "median"}},
     {"intensity", "Thin rays", "",
-     "Whether a return has the expected intensity of its element, or one that is drawn with the "
-     "element's spread; for models of logs with intensities",
+     "The intensity of a return, for models of logs with intensities: mean = the expected "
+     "intensity of the element; drawn = a random one with the spread of the element",
      [](O& o) -> auto& { return o.intensity; }, -kNoLimit, kNoLimit, {"mean", "drawn"}},
     {"beam", "Thin rays", "",
-     "Whether the ray is traced on the beam's axis, or drawn from the sensor's cone",
+     "Where the ray of a beam is traced: thin = on the axis; random = in a random direction within "
+     "the cone of the sensor's beam",
      [](O& o) -> auto& { return o.beam; }, -kNoLimit, kNoLimit, {"thin", "random"}},
-    {"max-range", "Thin rays", "m", "Maximum range; 0 = the log's or the sensor's",
+    {"max-range", "Thin rays", "m", "Maximum range; 0 = that of the log or sensor",
      [](O& o) -> auto& { return o.max_range_m; }, 0, 1e6},
     {"range-noise", "Thin rays", "m", "Standard deviation of additional noise on every range",
      [](O& o) -> auto& { return o.range_noise_m; }, 0, 100},
 
     {"all-sub-rays", "Sub-rays", "",
-     "Trace all sub-rays of every beam; without it, beams of 26 or more are traced with 13 sub-rays "
-     "where these agree",
+     "Trace all sub-rays of every beam; without this option, a beam of 26 or more sub-rays is "
+     "computed from 13 of them where their ranges agree",
      [](O& o) -> auto& { return o.instrument.all_sub_rays; }},
 
     {"materials", "Light and air", "", "A table of materials that replaces the built-in one",

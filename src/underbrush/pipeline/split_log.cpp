@@ -87,19 +87,21 @@ std::span<const Option<SplitOptions>> split_options() {
   using O = SplitOptions;
   // clang-format off
   static const Option<O> kOptions[] = {
-    {"every", "What is held out (one of)", "", "Every K-th scan",
+    {"every", "What is held out (one of)", "", "Hold out one scan of every N",
      [](O& o) -> auto& { return o.every; }, 2, kMost},
     {"columns", "What is held out (one of)", "",
-     "Every K-th column of each scan: the beams fired at one time (where the log has no times of "
-     "beams: in one packet)",
+     "Hold out one column of every N in each scan; a column has the beams that were fired at one "
+     "time, or those of one packet if the log has no times of beams",
      [](O& o) -> auto& { return o.columns; }, 2, kMost},
     {"time", "What is held out (one of)", "",
-     "Scans whose time lies in [FROM, TO), s after the log's start",
+     "Hold out the scans whose time lies in [FROM, TO), s after the log's start",
      [](O& o) -> auto& { return o.time; }, -kNoLimit, kNoLimit, {}, "FROM TO", 2},
     {"region", "What is held out (one of)", "",
-     "Scans whose sensor stands in this rectangle of the world, m",
+     "Hold out the scans whose sensor stands in this rectangle of the world, m",
      [](O& o) -> auto& { return o.region; }, -kNoLimit, kNoLimit, {}, "X0 Y0 X1 Y1", 4},
-    {"offset", "", "", "With --every and --columns: number (mod K) that is held out",
+    {"offset", "", "",
+     "With --every and --columns: number of the scan or column that is held out in each group of "
+     "N, counted from 0",
      [](O& o) -> auto& { return o.offset; }},
   };
 // clang-format on

@@ -60,9 +60,9 @@ std::span<const Option<RasterOptions>> raster_options() {
      [](O& o) -> auto& { return o.canopy.rays; }, 1, 100},
     {"cover-height", "", "m", "Height above the ground from which plants count as cover",
      [](O& o) -> auto& { return o.canopy.cover_height_m; }, 0, 100},
-    {"epsg", "", "", "Number of the maps' projected reference system; 0 = not known",
+    {"epsg", "", "", "EPSG number of the projected reference system of the maps; 0 = not known",
      [](O& o) -> auto& { return o.epsg; }, 0, 32767},
-    {"memory", "", "", "Memory for the regions of a world that are open at a time",
+    {"memory", "", "", "Largest memory of the loaded regions of a world",
      [](O& o) -> auto& { return o.memory; }, -kNoLimit, kNoLimit, {}, "SIZE"},
   };
 // clang-format on
