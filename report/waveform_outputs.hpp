@@ -26,7 +26,7 @@ class WaveformOutputs {
   bool empty() const { return binary_.empty() && pictures_.empty(); }
   /// Lets the simulation of these options give its waveforms to this, which must outlive it.
   void receive_from(pipeline::SimulateOptions& options);
-  /// Of how many beams there was a waveform.
+  /// Returns the number of waveforms.
   size_t size() const { return size_; }
   /// Writes all files. `sensor` gives the title of a plot.
   void write(const sensor::Sensor& sensor);

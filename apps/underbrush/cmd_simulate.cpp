@@ -278,9 +278,7 @@ void report(const Verb& verb, const Arguments& a, const Done& done,
   }
   if (!lost.empty()) text += fmt::format("  not kept    {}\n", lost);
   if (!a.waveforms.empty()) {
-    text += fmt::format(
-        "  waveforms   {}{}\n", done.waveforms,
-        done.simulation.keyframes_serve(done.beams) ? ", none of beams that keyframes answer" : "");
+    text += fmt::format("  waveforms   {}; beams of keyframes have none\n", done.waveforms);
   }
   text += text_of_model(done, model);
   if (world.read.parts) text += text_of(world);

@@ -4,7 +4,6 @@ nor lose a file."""
 import itertools
 import os
 import pathlib
-import random
 import resource
 import shutil
 import signal
@@ -154,79 +153,6 @@ class Interrupted(cli_test.OnALog):
             self.assertEqual((process.returncode, last), (-signal.SIGINT, "underbrush: interrupted"))
             self.assertTrue(all(line.startswith("[") for line in progress), errors)
             self.assertEqual(os.listdir(pathlib.Path(scratch, "demo")), [])
-
-
-class Killed(cli_test.OnALog):
-    """A run that is killed (-9) leaves each output as it was or as it should be, and the next run cleans up."""
-    MOMENTS = 20
-
-    def outputs(self, verb):
-        """The bytes of each file of each output, by the output's name."""
-        words = cli_test.JOBS[verb]
-        names = [words[k + 1] for k, word in enumerate(words) if word in ("-o", "--train", "--test", "--report")]
-        found = {}
-        for name in names:
-            path = pathlib.Path(self.folder, name)
-            files = [path] if path.is_file() else sorted(p for p in path.rglob("*") if p.is_file())
-            found[name] = {str(p.relative_to(self.folder)): p.read_bytes() for p in files}
-        return found
-
-    def run_whole(self, verb, seed):
-        (self.folder / "params.yaml.checkpoint").unlink(missing_ok=True)  # or it asks for --resume
-        done = cli_test.call(verb, *cli_test.JOBS[verb], "--seed", str(seed), cwd=self.folder)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return self.outputs(verb), done.stderr
-
-    def remains(self):
-        return list(self.folder.rglob(".underbrush-*"))
-
-    def check(self, prefix, moments):
-        self.run_all()
-        chance = random.Random(15)
-        left = cleaned = 0
-        for verb in cli_test.JOBS:
-            if verb == "info":
-                continue
-            new, _ = self.run_whole(verb, 2)
-            begin = time.monotonic()
-            old, _ = self.run_whole(verb, 1)
-            took = time.monotonic() - begin
-            for _ in range(moments):
-                process = subprocess.Popen([*prefix, cli_test.PROGRAM, verb, *cli_test.JOBS[verb], "--seed", "2"],
-                                           cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-                time.sleep(chance.uniform(0, took))
-                process.kill()
-                process.wait()
-                for name, files in self.outputs(verb).items():
-                    self.assertTrue(files in (old[name], new[name]), f"{verb}: {name} is neither the old nor the new")
-                remains = len(self.remains())
-                left += remains
-                again, errors = self.run_whole(verb, 1)
-                self.assertEqual(again, old, verb)
-                self.assertEqual(self.remains(), [], verb)
-                if remains and verb != "optimize":  # writes to one folder after the other
-                    self.assertIn("killed run", errors)
-                    cleaned += 1
-        self.assertGreater(left, 0, "no run was killed while it wrote")
-        self.assertGreater(cleaned, 0)
-
-    def test_at_any_moment(self):
-        self.check([], self.MOMENTS)
-
-    def test_at_any_moment_as_the_first_process_of_a_container(self):
-        first = ["unshare", "--pid", "--fork", "--kill-child"]
-        if shutil.which("unshare") is None or subprocess.run([*first, "true"], check=False,
-                                                             capture_output=True).returncode:
-            self.skipTest("needs unshare, as root")
-        self.check(first, 3)
-
-    def test_links_where_a_temporary_file_might_be_are_not_followed(self):
-        important = self.folder / "important.txt"
-        important.write_text("years")
-        for k in range(50):
-            (self.folder / f"again.ply.part-{k}-0").symlink_to(important)
-        self.run_all()
-        self.assertEqual(important.read_text(), "years")
 
 
 class Distinct(cli_test.OnALog):

@@ -15,17 +15,6 @@ namespace {
 // Beams of a rig's sensor k have numbers from k · 2⁴⁰, so that no two have the same.
 constexpr int kSensorBits = 40;
 
-// A channel is as late in its waveform as in its ranges.
-void add_offsets(const ChannelOffsets& offsets, std::vector<simulate::BeamWaveform>& waveforms) {
-  for (simulate::BeamWaveform& w : waveforms) {
-    for (const ChannelOffset& o : offsets) {
-      if (o.ring != w.ring) continue;
-      for (auto& [range_m, signal] : w.signal) range_m += o.range_m;
-      for (double& range_m : w.echo_m) range_m = std::max(range_m + o.range_m, kLeastRangeM);
-    }
-  }
-}
-
 simulate::Options thin_rays(const SimulateOptions& o, const TracedWorld& world) {
   simulate::Options out;
   out.seed = o.seed;
@@ -166,13 +155,13 @@ class Simulation::OfSensor {
       maker_->answer(first_beam, beams, cached);
       if (on_waveforms_) {
         std::vector<simulate::BeamWaveform> waveforms = maker_->take_waveforms();
-        add_offsets(offsets, waveforms);
+        simulate::add_offsets(offsets, waveforms);
         on_waveforms_(std::move(waveforms));
       }
     } else {
       simulate::simulate(world_.dynamic(), thin_, first_beam, beams);
     }
-    underbrush::add_offsets(offsets, 1, beams);
+    add_offsets(offsets, 1, beams);
   }
 
   void recognise(BeamSource& log) {
