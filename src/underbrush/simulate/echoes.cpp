@@ -182,6 +182,16 @@ class EchoMaker::Scratches {
   std::vector<std::unique_ptr<Scratch>> free_;
 };
 
+void add_offsets(const ChannelOffsets& offsets, std::vector<BeamWaveform>& waveforms) {
+  for (BeamWaveform& w : waveforms) {
+    for (const ChannelOffset& o : offsets) {
+      if (o.ring != w.ring) continue;
+      for (auto& [range_m, signal] : w.signal) range_m += o.range_m;
+      for (double& range_m : w.echo_m) range_m = std::max(range_m + o.range_m, kLeastRangeM);
+    }
+  }
+}
+
 EchoMaker::EchoMaker(const DynamicWorld& world, const Reflection& reflection,
                      const Instrument& instrument, const EchoOptions& options)
     : world_(world),

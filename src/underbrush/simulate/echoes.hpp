@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "underbrush/core/beam_log.hpp"
+#include "underbrush/core/channel_offsets.hpp"
 #include "underbrush/keyframes/keyframe_cache.hpp"
 #include "underbrush/radiometry/receiver.hpp"
 #include "underbrush/sensor/beam.hpp"
@@ -53,6 +54,9 @@ struct BeamWaveform {
   std::vector<std::pair<double, double>> signal;  ///< Range (m) and signal; gaps are left out.
   std::vector<double> echo_m;                     ///< Ranges of the echoes.
 };
+
+/// Adds the offset of its ring to all ranges of each waveform, as to those of a log's hits.
+void add_offsets(const ChannelOffsets& offsets, std::vector<BeamWaveform>& waveforms);
 
 /// The options of `EchoMaker`.
 struct EchoOptions {
