@@ -108,7 +108,8 @@ std::vector<const CLI::App*> verbs_of(const CLI::App& program) {
 std::string HelpFormatter::make_help(const CLI::App* app, std::string name,
                                      CLI::AppFormatMode mode) const {
   if (mode == CLI::AppFormatMode::Sub) {
-    return "\n" + make_usage(app, std::move(name)) + make_positionals(app) + groups(app, mode);
+    const std::string verb = app->get_parent()->get_name() + " " + app->get_name();
+    return "\n" + make_usage(app, verb) + make_positionals(app) + groups(app, mode);
   }
   return wrapped(app->get_description(), 0, 0) + "\n\n" + make_usage(app, std::move(name)) +
          make_positionals(app) + groups(app, mode) + make_subcommands(app, mode) + "\n" +

@@ -1,14 +1,15 @@
 """Underbrush: a lidar simulator learnt from logs of off-road terrain.
 
-The verbs of the command `underbrush` are functions here, with the same names and options. They take and return values
-(`BeamLog`, `Model`, `Scene`, `Sensor`) or the paths of files:
+It has functions for twelve verbs of the command `underbrush`: `import_log`, `split`, `movers`, `actors`, `fit`,
+`optimize`, `segment`, `extract`, `compose`, `simulate`, `perceive` and `score`. They take most options of the verbs as
+keyword arguments. Their inputs and results are values (`BeamLog`, `Model`, `Scene`, `Sensor`) or the paths of files:
 
     model = underbrush.fit("train.ply")
     simulated = underbrush.simulate(model, like="test.ply")
     print(underbrush.score("test.ply", simulated, model=model).all.f1)
 
 Frames are right-handed with z up; lengths are m, times s, angles rad. Arrays are views of the library's memory: nothing
-is copied, and a view keeps what it belongs to alive. Long calls let other Python threads run, end on Ctrl-C and report
+is copied, and a view keeps its owner alive. Other Python threads run during long calls, which end on Ctrl-C and report
 to `progress(stage, done, total)`. The same seed gives the same bits as the command, for any number of threads.
 
 Errors: `ValueError` for a caller's mistake, `FormatError` for bad data in a file, `OSError` from the file system.

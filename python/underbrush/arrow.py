@@ -21,7 +21,7 @@ _NAMED = (*_NEEDED, "intensity", "time_s", "ring", "scan", "packet", "flags")
 
 
 def log_from_arrow(table: Any) -> BeamLog:
-    """Makes a log from a table of Arrow's, or what pyarrow reads as one; its rows are copied.
+    """Makes a log from a table of Arrow, or a value that pyarrow reads as one; its rows are copied.
 
     The columns have the names, shapes and units of `log_from_columns`, where those with several numbers a row are lists.
     Other columns become further columns of the log. The facts about the log come from the schema, where `pyarrow.table`

@@ -1,4 +1,4 @@
-"""The command `underbrush`: the program that the wheel brings, and the package's readers behind `import` and `info`."""
+"""The command `underbrush`: the program of the wheel, and the package's readers for `import` and `info`."""
 from __future__ import annotations
 
 import os
@@ -17,7 +17,7 @@ LOG_VERBS = ("fit", "simulate", "score", "serve", "split", "movers", "actors", "
 OTHER_FILES = ("-o", "--output", "--json", "--report", "--truth", "--write-truth", "--test", "--trajectory")
 
 
-#: Options of `import` for recordings, which other verbs take for those that they read.
+#: Options of `import` for recordings; other verbs accept them for the recordings that they read.
 IMPORT_OPTIONS = ("--topic", "--position", "--frame", "--clock", "--metadata", "--infer-misses", "--unknown-below-deg",
                   "--poses", "--frames", "--keep")
 
@@ -31,7 +31,7 @@ def program() -> pathlib.Path:
 
 
 def recording_of(words: Sequence[str]) -> str | None:
-    """Returns the recording that the words `import FILE …` or `info FILE …` name, or None."""
+    """Returns the recording in the words `import FILE …` or `info FILE …`, or None."""
     if not words or words[0] not in ("import", "info"):
         return None
     return next((w for before, w in zip(words, words[1:])
@@ -41,7 +41,7 @@ def recording_of(words: Sequence[str]) -> str | None:
 def with_logs(words: Sequence[str]) -> list[str]:
     """The words, with a log in the cache for each recording that a verb reads as a log (see `log_of`).
 
-    Options of `import` for recordings are taken out of the words then. What was imported is told on standard error.
+    Options of `import` for recordings are removed from the words then. Imports are reported on standard error.
     """
     out: list[str] = []
     options: list[str] = []
@@ -80,7 +80,7 @@ def is_mcap_trace(words: Sequence[str]) -> bool:
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Runs the command with the words after its name and returns its exit code; the program takes this process over."""
+    """Runs the command with the words after its name and returns its exit code; the program may replace the process."""
     given = list(sys.argv[1:] if words is None else words)
     if output_of(given):
         try:

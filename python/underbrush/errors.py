@@ -13,7 +13,7 @@ class FormatError(ValueError):
 
 
 def failed(error: Exception) -> int:
-    """Prints what stopped a command, in one line, and returns its exit code: 3 for bad data in a file, 4 for the file
+    """Prints the error of a command, in one line, and returns its exit code: 3 for bad data in a file, 4 for the file
     system, and 2 for a caller's mistake or a missing package."""
     print(f"underbrush: {' '.join(str(error).split())}", file=sys.stderr)
     if isinstance(error, FormatError):

@@ -1,4 +1,4 @@
-"""`underbrush import` of recordings that the package's readers know: bags, LAS and LAZ, packets, E57."""
+"""`underbrush import` of recordings for which the package has readers: bags, LAS and LAZ, packets, E57."""
 from __future__ import annotations
 
 import argparse
@@ -125,7 +125,7 @@ def report(options: argparse.Namespace, counts: dict[str, object], say: Callable
 
 
 def describe(options: argparse.Namespace, recording: Recording) -> None:
-    """Says what a recording holds, without reading its points."""
+    """Prints the contents of a recording, without reading its points."""
     lines = recording.found()
     facts = {"kind": "recording", "sensor": recording.sensor, "has_misses": recording.organised, "crs": recording.crs,
              "world": recording.world, "bytes": recording.bytes_total, "topics": getattr(recording, "topics", []),
@@ -164,7 +164,7 @@ def run(words: Sequence[str], describe_only: bool = False) -> int:
 
 
 def command_of_result(words: Sequence[str]) -> list[str]:
-    """The command without what does not change its result, so that equal results are equal files."""
+    """The command without options that do not change its result, so that equal results are equal files."""
     out, left_out = ["underbrush", "import"], False
     for word in words:
         name, equals, _ = word.partition("=")

@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 
 
 class Lidar:
-    """A lidar in a world, which fires one revolution (or frame) a call.
+    """A lidar in a world. Each call fires one revolution (or frame).
 
     `world` is a model or scene, as a value or a path; it is prepared for tracing once, here. `sensor` is a sensor or
-    its name. `movers` are objects that move: (model or mesh, poses over time, material), as for `simulate`, whose
-    options are taken too. Scan k draws its random numbers from (seed, k), so the same calls give the same bits. Calls
+    its name. `movers` are objects that move: (model or mesh, poses over time, material), as for `simulate`. `options`
+    are those of `simulate`. Scan k draws its random numbers from (seed, k), so the same calls give the same bits. Calls
     from several threads wait for each other.
     """
 
@@ -50,8 +50,8 @@ class Lidar:
         """Fires the revolution that starts at `time` (s) and returns its beams, hits and misses.
 
         The sensor moves from `pose_from` at `time` to `pose_to` at the end of the revolution (by default it stands
-        still); both are world from sensor, a `Pose` or a 4 x 4 matrix. Moving objects are where they are at each beam's
-        own time. Raises `ValueError` for a matrix that is no rigid transform.
+        still); both are world from sensor, a `Pose` or a 4 x 4 matrix. Moving objects have their poses at the time of
+        each beam. Raises `ValueError` for a matrix that is no rigid transform.
         """
         return self._core.scan(pose_from, pose_from if pose_to is None else pose_to, time)
 
@@ -59,8 +59,8 @@ class Lidar:
              until: float) -> BeamLog:
         """Fires from `time` to `until` (s), such as a tenth of a revolution, and returns these beams.
 
-        The sensor moves from `pose_from` to `pose_to` meanwhile. A call that begins where the last one ended goes on with
-        its revolution, and all of them have the bits of one `simulate` along their poses. Any other call begins a new
-        scan. Raises `ValueError` for times that are not finite or not in order, and as `scan` does.
+        The sensor moves from `pose_from` to `pose_to` meanwhile. A call that begins where the last one ended goes on
+        with its revolution, and all of them have the bits of one `simulate` along their poses. Any other call begins a
+        new scan. Raises `ValueError` for times that are not finite or not in order, and as `scan` does.
         """
         return self._core.fire(pose_from, pose_to, time, until)

@@ -1,4 +1,4 @@
-"""Progress of the verbs: what a caller may give for it, and a bar on the terminal."""
+"""Progress of the verbs: the values that a caller may pass, and a bar on the terminal."""
 from __future__ import annotations
 
 import contextlib

@@ -20,7 +20,7 @@ RECORDINGS = (".bag", ".mcap", ".db3", ".las", ".laz", ".pcap", ".pcapng", ".e57
 
 
 def is_recording(name: str | os.PathLike[str]) -> bool:
-    """Whether the program leaves the file or folder to the package's readers (a ROS 2 bag is a folder)."""
+    """Whether the package's readers, and not the program, read the file or folder (a ROS 2 bag is a folder)."""
     path = pathlib.Path(name)
     return path.name.lower().endswith(RECORDINGS) or (path / "metadata.yaml").is_file() or _is_numpy_log(path)
 

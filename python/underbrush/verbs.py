@@ -99,13 +99,13 @@ def fit(log: Log, output: Path | None = None, *, seed: int = 1, sensor: Sensor |
     """Learns a model from a log: ground mesh, ellipsoids, hit probabilities.
 
     `parameters` are the options of `underbrush fit` with `_` for `-`, such as `fitter`, `tau` and `clusters_per_point`.
-    `sensor` removes its beam's footprint from the ellipsoids. With `echoes` "all", every echo is a beam of its own, and
-    hit probabilities are shares of the light. With `output`, the model's folder is written too. The log is read in
-    chunks, so a path may be that of a log larger than memory. `report_of` has the counts.
+    The footprint of the beam of `sensor` is removed from the ellipsoids. With `echoes` "all", each echo is treated as a
+    beam, and hit probabilities are shares of the light. With `output`, the model's folder is written too. The log is
+    read in chunks, so a path may be that of a log larger than memory. `report_of` has the counts.
 
-    With `update`, the log is added to that model, whose parameters hold, and the grown model is returned. The model must
-    have been fitted to the file of a log; `logs` names the folder where its earlier logs are now, if it is another one.
-    A tile that new returns touch is fitted anew once its returns have grown by the share `growth`.
+    With `update`, the log is added to that model, with its parameters, and the grown model is returned. The model must
+    have been fitted to the file of a log; `logs` is the folder that now holds its earlier logs, if they were moved. A
+    tile is fitted anew when the number of its returns has grown by the share `growth` since its last fit.
 
     Raises `ValueError` for a parameter out of range or a log without returns, `TypeError` for an unknown parameter,
     `FormatError`, `OSError`.
@@ -159,10 +159,10 @@ def simulate(model: World, *, like: Log | None = None, sensor: Sensor | str | No
     """Simulates the beams of a log (`like`), or of a sensor or a rig (YAML) on a trajectory, in a model or scene.
 
     The path of a mesh, of a scene of HELIOS++ or of voxels of AMAPVox is a world, too, and with one pose a sensor makes
-    one turn or frame. Returns the simulated log. With `output` (.ply, .ublog, .pcd, .csv, a KITTI folder; with `profile` "velodyne",
-    "ouster" or "autoware" a folder of PCD files), it is written there in chunks instead, and the result has the numbers
-    of beams, rows and hits. `movers` are objects that move. A model or scene that `actors`, `tau`, `grain` or `movers`
-    change is copied; else it is used as it is.
+    one turn or frame. Returns the simulated log. With `output` (.ply, .ublog, .pcd, .csv, a KITTI folder; with
+    `profile` "velodyne", "ouster" or "autoware" a folder of PCD files), it is written there in chunks instead, and the
+    result has the numbers of beams, rows and hits. `movers` are objects that move. If `actors`, `tau`, `grain` or
+    `movers` are given, the model or scene is copied.
 
     Raises `ValueError` for options out of range or without effect, `FormatError`, `OSError`.
     """
@@ -198,11 +198,11 @@ def score(real: Log, simulated: Log, *, model: World | None = None, train: Log |
     """Compares a simulated log with the real log of the same beams, beam by beam.
 
     With `model`, likelihood and CRPS under the ray model are computed; without `cloud`, cloud error and density-aware
-    Chamfer distance are left out. `Score.baselines` has the scores of what a simulator must beat: "always hit", where
-    each beam returns at the median range of its ring, and with `train`, the log that the model was fitted to, "look-up",
-    which answers with the nearest beam of that log. With `report`, a folder, a page of tables, plots and pictures is
-    written too. Raises `ValueError` (`FormatError` for files) where the beams differ in number, scan, ring or origin,
-    and `OSError`.
+    Chamfer distance are left out. `Score.baselines` has the scores that a simulator must beat: those of "always hit",
+    in which each beam returns at the median range of its ring, and with `train`, the log that the model was fitted to,
+    those of "look-up", which takes the return of the nearest training point for each beam. With `report`, a page of
+    tables, plots and pictures is written into that folder. Raises `ValueError` (`FormatError` for files) where the
+    beams differ in number, scan, ring or origin, and `OSError`.
     """
     real, simulated, train = _log(real), _log(simulated), None if train is None else _log(train)
     with _shown(progress) as shown:
@@ -215,9 +215,9 @@ def score(real: Log, simulated: Log, *, model: World | None = None, train: Log |
 
 
 def compare_clouds(real: Log, simulated: Log, *, progress: Progress | None = None) -> dict[str, Any]:
-    """Compares two logs that share no beams as point clouds, without beams that met something marked as moving.
+    """Compares two logs that share no beams as point clouds, without beams that met an object marked as moving.
 
-    Both logs are in one frame, m. Returns what `underbrush score --protocol clouds --json` writes for a log, such as
+    Both logs are in one frame, m. Returns the values that `underbrush score --protocol clouds --json` writes, such as
     `cloud_error_m`, `density_aware_chamfer` in [0, 1], `occupied` in [0, 1], the histograms `range` and `height` with
     their Wasserstein distances (m), and `regions`, a list of the squares of 20 m; a score without data is None. Raises
     `ValueError` (`FormatError` for files) where a log has no return, and `OSError`.
@@ -233,7 +233,8 @@ def import_log(source: Path, output: Path | None = None, *, float_coordinates: b
 
     `options` are those of `underbrush import` with `_` for `-`, such as `poses`, `deskew` and `infer_misses`. With
     `output`, the log is written too while it is read, its coordinates as float with `float_coordinates`. Recordings
-    (bags, LAS, packets, E57) have readers in `underbrush.formats`. Raises `ValueError`, `TypeError`, `FormatError`, `OSError`.
+    (bags, LAS, packets, E57) have readers in `underbrush.formats`. Raises `ValueError`, `TypeError`, `FormatError`,
+    `OSError`.
     """
     given: dict[str, Any] = dict(options)
     with _shown(progress) as shown:
@@ -275,7 +276,7 @@ def segment(log: Log, output: Path | None = None, *, progress: Progress | None =
 
 def movers(log: Log, output: Path | None = None, *, progress: Progress | None = None,
            **options: Unpack[MoversParameters]) -> Marked:
-    """Marks the returns of what moved during a log, which `fit` and `score` leave out.
+    """Marks the returns of objects that moved during a log; `fit` and `score` leave them out.
 
     `options` are those of `underbrush movers` with `_` for `-`, such as `look_s` and `least_points`. With `output`, the
     log is written too. Raises `ValueError` (`FormatError` for a log of one scan), `TypeError`, `OSError`.
@@ -290,12 +291,12 @@ def movers(log: Log, output: Path | None = None, *, progress: Progress | None = 
 
 def actors(log: Log, output: Path, *, boxes: Path | None = None, boxes_elevation_deg: float = 0, seed: int = 1,
            progress: Progress | None = None, **options: Unpack[ActorsParameters]) -> LearntActors:
-    """Learns what moved during a log, as models with trajectories, and writes the folder `output`.
+    """Learns the objects that moved during a log as models with trajectories, and writes the folder `output`.
 
     `boxes` is a file of labelled boxes, which are turned up by `boxes_elevation_deg`, or of lists of objects; without
-    it, what moved is found. `options` are those of `underbrush actors` with `_` for `-`, such as `margin` (m). Give
-    `marked` to `fit`, and the folder to `simulate` as `actors`. Raises `ValueError`, `TypeError`, `FormatError` (also
-    where nothing moved), `OSError`.
+    it, moving objects are found. `options` are those of `underbrush actors` with `_` for `-`, such as `margin` (m).
+    Give `marked` to `fit`, and the folder to `simulate` as `actors`. Raises `ValueError`, `TypeError`, `FormatError`
+    (also where nothing moved), `OSError`.
     """
     given: dict[str, Any] = dict(options)
     with _shown(progress) as shown:
@@ -325,9 +326,9 @@ def compose(annotation: Path, primitives: Primitives | Path, output: Path | None
     """Composes a scene from primitives along an annotation.
 
     `primitives` is a set, the path of one, or "mesh_primitives" for generated plants. `ground` replaces the
-    annotation's ground model. `class_density` has the number of objects for each annotated one, by class. `options` are
-    those of `underbrush compose` with `_` for `-`, such as `nearest`, `scale` and `strict`. With `output`, the scene's
-    folder is written too. Raises `ValueError`, `TypeError`, `FormatError`, `OSError`.
+    annotation's ground model. `class_density` is the number of objects for each annotated object, by class. `options`
+    are those of `underbrush compose` with `_` for `-`, such as `nearest`, `scale` and `strict`. With `output`, the
+    scene's folder is written too. Raises `ValueError`, `TypeError`, `FormatError`, `OSError`.
     """
     given: dict[str, Any] = dict(options)
     words = class_density
@@ -348,9 +349,9 @@ def perceive(log: Log, output: Path | None = None, *, write_truth: Path | None =
     """Turns a log into lists of tracked objects.
 
     `options` are those of `underbrush perceive` with `_` for `-`, such as `pipeline` ("model" or "real"), `truth` and
-    `min_range`. With `output` and `write_truth`, the lists and those of the truth are written too (.csv, .json, .osi),
-    and with `grid` a map of free, permeable and solid cells (.png of the last cycle, else JSON of all). `report_of` has
-    the counts and the scores. Raises `ValueError`, `TypeError`, `FormatError`, `OSError`.
+    `min_range`. With `output` and `write_truth`, the lists and those of the true objects are written too (.csv, .json,
+    .osi), and with `grid` a map of free, permeable and solid cells (the last cycle as .png, or else all as JSON).
+    `report_of` has the counts and the scores. Raises `ValueError`, `TypeError`, `FormatError`, `OSError`.
     """
     given: dict[str, Any] = dict(options)
     if write_truth is not None and "truth" not in given:
@@ -374,10 +375,11 @@ def optimize(log: Log, *, objective: str = "packet_f1", tune: Sequence[str] = ()
              **parameters: Unpack[FitParameters]) -> Tuning:
     """Tunes the parameters of a fit on a slice of the training log.
 
-    `slice` takes the scans that begin in [from, to), s after the log's start; one in `validate` of them judges. `tune`
-    names the parameters (the usual ones if empty), `parameters` sets those that stay fixed. With `annotation` and
-    `primitives`, the class densities of a composed scene are tuned instead. `Tuning.parameters` has the best values.
-    With `report`, a folder, a page with the search's progress is written too. Raises `ValueError`, `TypeError`, `FormatError`, `OSError`.
+    `slice` takes the scans that begin in [from, to), s after the log's start; one in `validate` of them is scored and
+    not fitted. `tune` names the parameters (the usual ones if empty), `parameters` sets the fixed ones. With
+    `annotation` and `primitives`, the class densities of a composed scene are tuned instead. `Tuning.parameters` has
+    the best values. With `report`, a folder, a page with the search's progress is written too. Raises `ValueError`,
+    `TypeError`, `FormatError`, `OSError`.
     """
     core = _core.TuneOptions()
     core.objective, core.tune, core.budget, core.slice = objective, [n.replace("_", "-") for n in tune], budget, slice

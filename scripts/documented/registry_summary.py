@@ -13,7 +13,7 @@ PLACES = {f"{FOREST}/inside the stretch": "forest, inside the stretch", f"{FORES
           f"{FOREST}/denser": "forest, between rings", f"{STREET}/denser": "street, between rings",
           f"{STILL}/denser": "standing vehicle, between rings", "rellis_000104/denser": "rellis_000104, between rings",
           "marv_forest/denser": "marv_forest, between rings"}
-SCENES = {"draw": "primitives", "mesh": "meshes (generated sites", "look-up": "replay"}
+SCENES = {"draw": "primitives", "mesh": "meshes (generated sites", "always hit": "always hit"}
 
 
 def looked_up(column, other, rows):
@@ -47,7 +47,7 @@ VIEWS = {
     "summary-beyond": {**beyond("returns answered: ", "returns answered", PLACES),
                        **beyond("capped error, m: ", "capped error, m", PLACES)},
     "summary-scenes": {(row, column): [("scenes", row, f"drive: {column}", 0)]
-                       for row in ("primitives", "meshes (generated sites", "fit of the test log", "replay")
+                       for row in ("primitives", "meshes (generated sites", "fit of the test log", "replay", "always hit")
                        for column in ("cloud error, m", "packet error, m", "F1")},
 }
 

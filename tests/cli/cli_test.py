@@ -90,6 +90,10 @@ class Help(unittest.TestCase):
         stages = re.findall(r"^(\w+):$", call("--help").stdout, re.MULTILINE)
         self.assertEqual(stages, ["Options", "Start", "Logs", "Models", "Scenes", "Simulation", "Jobs", "Help"])
 
+    def test_the_help_of_all_of_the_root_has_the_usage_of_each_verb(self):
+        usages = re.findall(r"^Usage: underbrush ([a-z-]+)", call("--help-all").stdout, re.MULTILINE)
+        self.assertEqual(usages, verbs())
+
     def test_every_verb_shows_an_example_of_itself(self):
         for verb in verbs():
             with self.subTest(verb):

@@ -13,7 +13,7 @@ sys.path.insert(0, str(rules.ROOT / "scripts"))
 import results  # noqa: E402
 from documented import tables  # noqa: E402
 
-WORDS = {"one": 1, "two": 2, "three": 3, "four": 4, "five": 5, "six": 6, "seven": 7, "eight": 8}
+WORDS = {"one": 1, "two": 2, "three": 3, "four": 4, "five": 5, "six": 6, "seven": 7, "eight": 8, "twelve": 12}
 
 
 class Program:
@@ -37,6 +37,11 @@ class Program:
 
     def verbs(self):
         return re.findall(r"^  ([a-z][a-z-]+) {2,}\S", self.say("--help").partition("--config")[2], re.MULTILINE)
+
+    def functions(self):
+        """The functions of the Python package that are verbs."""
+        names = re.findall(r"^def ([a-z]\w+)\(", rules.read(rules.ROOT, "python/underbrush/verbs.py"), re.MULTILINE)
+        return sorted({name for name in names if name.removesuffix("_log") in self.verbs()})
 
     def fitters(self):
         return re.search(r"one of ([\w, ]+) \[", self.options("fit")["--fitter"]).group(1).split(", ")
@@ -102,8 +107,12 @@ def letters(name):
     return "(?i)[ (]" + "[- ]?".join(re.sub(r"\W", "", name)) + r"\b"
 
 
+#: Where the functions of the Python package are counted, and except in the first place listed.
+PACKAGE = ("README.md", "docs/how-to/python.md", "python/underbrush/__init__.py")
+
 #: Lists that are whole: (page, list, pattern of a place that names one, or what makes the pattern of a name).
 LISTS = [("README.md", Program.faces, r"{}"),
+         *((page, Program.functions, r"`{}`") for page in PACKAGE[1:]),
          ("docs/how-to/reproduce-a-paper.md", Program.studies, r"^\| `{}` \|"),
          ("CHANGELOG.md", Program.studies, r"`{}`"),
          ("docs/explanation/fitters.md", Program.fitters, r"^\| `{}` \|"),
@@ -127,6 +136,7 @@ NUMBERS = [
     ("docs/how-to/tuning.md", r"One scan in (\w+) \(`--validate`\)", default("optimize", "--validate")),
     ("docs/how-to/tuning.md", r"gained (\d+) % and (\d+) %", gains),
     ("docs/how-to/notebooks.md", r"(\w+) notebooks in", notebooks),
+    *((page, r"functions for (\w+) verbs", lambda program: [len(program.functions())]) for page in PACKAGE),
     ("docs/explanation/validation.md",
      r"RMSE ([\d.]+) and ([\d.]+) times .*?, ([\d.]+) and ([\d.]+) in rotation; .*? ([\d.]+) to ([\d.]+)", odometry)]
 
@@ -180,8 +190,8 @@ def sources(path, text):
 
 def check(root, options):
     program, out = program_at(options.program), []
-    pages = {path: rules.read(root, path) for path in rules.tracked(root, ".md")
-             if path in ("README.md", "CHANGELOG.md") or path.startswith("docs/")}
+    pages = {path: rules.read(root, path) for path in rules.tracked(root, ".md", ".py")
+             if path in ("CHANGELOG.md", *PACKAGE) or path.startswith("docs/") and path.endswith(".md")}
     for path, text in pages.items():
         out += [*names(path, text, program), *sources(path, text)]
         out += [f"{path}:{line}: '{m.group()}' is stale: {so}" for pattern, so in NEVER
@@ -213,7 +223,9 @@ BAD = [({"README.md": "The FMU is not\nthere yet.\n"}, "stale"),
        ({"docs/reference/serve-api.md": "| `api/files` | |\n"}, "lacks 'api/octree'"),
        ({"docs/notebook/2026-11.md": "- 50 prior hits of an ellipsoid\n"}, "it is [0.0]"),
        ({"docs/how-to/tuning.md": "gained 0 % and 24 %\n"}, "states ['0', '24']"),
-       ({"docs/how-to/notebooks.md": "Three notebooks in\n"}, "states")]
+       ({"docs/how-to/notebooks.md": "Three notebooks in\n"}, "states"),
+       ({"docs/how-to/python.md": "It has functions for two verbs: `fit`, `score`.\n"}, "lacks 'import_log'"),
+       ({"README.md": "It has functions for\ntwo verbs.\n"}, "states [2]")]
 GOOD = {"README.md": "It runs as a command, as a\nPython package, as a C++ library, in the browser (`serve`) and as an FMU, and\n"
                      "makes object lists.\n```sh\nunderbrush fit log.ply --tau 3 -o model\n```\nThe program underbrush.\n",
         "docs/how-to/tuning.md": "One scan in\nfour (`--validate`), `fit/fit.hpp`, `tests/rules/facts.py`\n"}

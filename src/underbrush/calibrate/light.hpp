@@ -1,5 +1,5 @@
 /// \file
-/// The light of a model: what intensities a log has taught its elements to answer.
+/// Learns reflectances and the sensor's intensity response from a log.
 #pragma once
 #include <vector>
 
@@ -9,12 +9,12 @@
 namespace underbrush::calibrate {
 
 /// Learns the response of the log's sensor and the reflectance of each element from the intensities
-/// of the returns that it explains best (`explaining_elements`). Elements with few returns are
-/// drawn towards the mean of their class, where the log had labels, or else of their kind
-/// (`reflectances`). Some six returns an element are looked at, chosen by a hash of their number,
-/// at least about 2¹⁷ and at most 2²²; the response is fitted to about 2¹⁶ of them
-/// (`fit_response`). The log is read once. Nothing but the light of the model changes; a log whose
-/// intensities are all 0, or beyond what a reflectance can be as a float, leaves it without.
+/// of the returns that it explains best (`explaining_elements`). The reflectances of elements with
+/// few returns are shrunk towards the mean of their class, where the log had labels, or else of
+/// their kind (`reflectances`). Some six returns for each element are used, at least about 2¹⁷ and
+/// at most 2²², which are chosen by a hash of their number; the response is fitted to about 2¹⁶ of
+/// them (`fit_response`). The log is read once. Only the light of the model changes. It stays empty
+/// if the intensities of the log are all 0, or too large for a float.
 void learn_light(elements::Model& model, BeamSource& log);
 
 /// Learns the reflectances of some elements from the returns of a log, with the response that the

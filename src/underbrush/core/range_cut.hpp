@@ -1,6 +1,5 @@
 /// \file
-/// Whether the returns of a log stop at a range beyond which its sensor or its format does not
-/// reach.
+/// The largest range of a log's sensor or format, if its returns stop there.
 #pragma once
 #include <algorithm>
 #include <bit>
@@ -13,7 +12,8 @@ namespace underbrush {
 /// The returns of a log that come from near its largest range.
 struct LastReturns {
   float largest_m = 0;
-  /// Their number by interval of `RangeCut`, from that of the largest range downwards.
+  /// The number of returns in each interval of `RangeCut`, from that of the largest range
+  /// downwards.
   std::vector<uint32_t> counts;
 };
 
@@ -31,7 +31,7 @@ class RangeCut {
     uint32_t k = interval(other.largest_m);
     for (const uint32_t count : other.counts) count_[k--] += count;
   }
-  /// Returns what is needed to go on counting with more returns.
+  /// Returns the counts that are needed to go on with more returns.
   LastReturns last() const {
     LastReturns out{largest_m_, {}};
     for (uint32_t k = interval(largest_m_); k > interval(kBefore * largest_m_); --k) {
@@ -40,8 +40,8 @@ class RangeCut {
     return out;
   }
   /// Returns the largest range (m) where many returns come from near it: at least 50 from its last
-  /// 2 %, and half as many as from the 2 % before. Where ranges thin out instead, they tell what
-  /// stands there and not how far the sensor reaches, and the result is infinite.
+  /// 2 %, and half as many as from the 2 % before. Where ranges thin out instead, they show the
+  /// extent of the scene and not the sensor's limit, and the result is infinite.
   double reach_m() const {
     const size_t near = between(kNear, 1), before = between(kBefore, kNear);
     const bool cut = near >= 50 && 2 * near >= before;

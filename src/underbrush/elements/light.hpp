@@ -1,6 +1,5 @@
 /// \file
-/// How bright a model's elements answer: a reflectance for each, and the response of the sensor
-/// that all share.
+/// The reflectances of a model's elements, and the intensity response of the sensor.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -23,7 +22,7 @@ struct Reflectance {
 /// A function that is linear between knots and constant beyond the first and the last.
 struct Gain {
   std::vector<double> at;    ///< Where the knots are, in rising order.
-  std::vector<double> gain;  ///< The values there, one a knot; positive.
+  std::vector<double> gain;  ///< The value at each knot, positive.
 
   /// The two knots about `x` and the weight of the second.
   struct Between {
@@ -42,10 +41,11 @@ struct Gain {
 struct Light {
   Gain range;                     ///< f.
   std::array<Gain, 2> incidence;  ///< g of triangles, and g of ellipsoids.
-  std::vector<double> ring;       ///< h, one a channel; channels beyond have 1.
-  double max_intensity = 0;  ///< The largest intensity of the log, beyond which none is answered.
+  std::vector<double> ring;       ///< h of each channel; 1 for channels not listed.
+  /// The largest intensity of the log; simulated intensities do not exceed it.
+  double max_intensity = 0;
 
-  /// Whether a log with intensities was there to learn from.
+  /// Whether the light was learnt, from a log with intensities.
   bool known() const { return max_intensity > 0; }
   /// f(r) g(c) h(n); `same_sensor` tells whether h applies.
   double response(double range_m, double cosine, bool is_ellipsoid, uint32_t ring_number,
@@ -67,8 +67,8 @@ Reflectance reflectance(const Model& model, size_t element);
 struct MeanReflectance {
   double mean = 0, spread = 0;
 };
-/// Computes those of the elements of a kind, each counted once and as often as it was hit; zeros
-/// where there are none.
+/// Computes the mean and the standard deviation of the reflectances of a kind of element, in which
+/// an element counts once and as often as it was hit; zeros where there are no elements.
 MeanReflectance mean_reflectance(const Model& model, Kind kind);
 
 }  // namespace underbrush::elements

@@ -76,15 +76,15 @@ struct ElementPlace {
   uint32_t index = 0;
 };
 
-/// The whole model of which a model is a part. Elements keep their numbers in a part, and beams
-/// therefore draw what they draw in the whole.
+/// The whole model of which a model is a part. Elements keep their numbers in a part, so that
+/// random draws are the same as in the whole model.
 struct PartOf {
   std::array<uint32_t, 3> counts{};  ///< How many elements the whole has, by `Kind`.
   /// The place of each element of the part in its array of the whole, ascending, by `Kind`.
   std::array<std::vector<uint32_t>, 3> numbers;
   /// The whole's `mean_reflectance`, by `Kind`.
   std::array<MeanReflectance, 3> reflectance;
-  /// The whole's ground, of which the vertices alone are needed; null where no space is unknown.
+  /// The ground of the whole model, as vertices alone; null where no space is unknown.
   std::shared_ptr<const TriangleMesh> ground;
 
   /// The number of the whole's first element of a kind.
@@ -111,30 +111,31 @@ struct Model {
   double voxel_m = 0;
   Grain grain;
   Light light;  ///< The response of the log's sensor; unknown where it had no intensities.
-  /// m; the sensor's part of every element's σ, which each beam draws anew where the matter is
-  /// drawn once.
+  /// m; the part of every element's σ that is noise of the sensor. Each beam draws this noise anew,
+  /// also where matter is drawn once.
   double range_noise_m = 0;
   /// The inclinations of the leaves of ellipsoids with a density.
   LeafAngleDistribution leaf_angles;
-  /// s; the correlation time of the matter of ellipsoids that is drawn once, which is other matter
-  /// after that time. Matter stands still where it is 0.
+  /// s; the correlation time after which the random outcome at an ellipsoid is replaced by another
+  /// one, where matter is drawn once. Matter stands still if it is 0.
   double sway_s = 0;
-  /// m; the range beyond which the sensor of the log that it was fitted to, or that log's format,
-  /// does not reach (`RangeCut::reach_m`). Infinite if unknown.
+  /// m; the largest range of the sensor of the log that the model was fitted to, or of that log's
+  /// format (`RangeCut::reach_m`). Infinite if unknown.
   double max_range_m = std::numeric_limits<double>::infinity();
   /// The sensor that recorded the log that the model was fitted to, as in `LogInfo`; empty if
   /// unknown. Its footprint is in the extents of the elements and in their hit probabilities.
   std::string sensor, sensor_file;
-  /// The errors of that sensor's ranges, which the geometry is free of; empty where none are known.
+  /// The errors of that sensor's ranges, from which the geometry is free; empty where none are
+  /// known.
   ChannelOffsets channels;
-  /// What the sensor measured from some places; null where nothing is remembered.
+  /// Scans of the log, stored as range images; null if the model has no keyframes.
   std::shared_ptr<const Keyframes> keyframes;
   /// The space that the log's beams crossed; null where unknown space counts as empty.
   std::shared_ptr<const ObservedSpace> observed;
-  /// Whether every echo of the log counted as a beam of its own, so that hit probabilities are
-  /// shares of the light and the footprint is not in them.
+  /// Whether every echo of the log counted as a beam, so that hit probabilities are shares of the
+  /// light and do not contain the footprint.
   bool all_echoes = false;
-  /// What the model is a part of; null where it is whole.
+  /// The whole model of which this is a part; null if this is a whole model.
   std::shared_ptr<const PartOf> part_of;
   std::string fitter;      ///< Name of the fitter that made the model.
   std::string provenance;  ///< JSON object: program version, command, seed, hashes of the inputs.
@@ -166,19 +167,18 @@ struct Model {
   Kind kind(size_t element) const { return place(element).kind; }
   /// The name of a class of ellipsoids, or its number as text where it has none.
   std::string class_name(uint32_t label) const;
-  /// The number of the class of that name; nothing where there is none.
+  /// The number of the class of that name; empty if there is none.
   std::optional<uint32_t> class_number(std::string_view name) const;
   /// The mesh of `Kind::kGround` or `Kind::kSurface`.
   const TriangleMesh& mesh(Kind kind) const { return kind == Kind::kGround ? ground : surface; }
-  /// The box of all that rays can meet, m, relative to the origin; empty where there is nothing.
+  /// The box of all elements that rays can meet, m, relative to the origin; empty without elements.
   Eigen::AlignedBox3d box() const;
   HitCount& hit(size_t element);
   const HitCount& hit(size_t element) const;
-  /// The offsets that the ranges of such a log carry: `channels` where it is of the same sensor,
-  /// else none.
+  /// The offsets in the ranges of a log: `channels` where it is of the same sensor, else none.
   ChannelOffsets channels_of(const LogInfo& log) const;
-  /// The range (m) beyond which the beams of such a log find nothing: `max_range_m` where it is of
-  /// the same sensor, or both sensors are unknown, else infinite.
+  /// The range (m) beyond which beams of that log are misses: `max_range_m` where it is of the same
+  /// sensor, or both sensors are unknown, else infinite.
   double reach_of(const LogInfo& log) const;
   /// Returns a model without elements that is otherwise the same; it has no provenance and no
   /// keyframes, and it is no part.

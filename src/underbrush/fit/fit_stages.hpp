@@ -8,15 +8,15 @@
 
 namespace underbrush::fit {
 
-/// What a fit has before its refinement.
+/// The state of a fit before its refinement.
 struct FitStart {
   FitResult fitted;  ///< The model that the refinement starts from, with the channels' offsets.
   std::vector<likelihood::ListedBeam> held_out;
   size_t training_beams = 0;
 };
 
-/// Does what comes before the refinement: range offsets of the channels, and the start with its
-/// leaf angles. It reads the log several times. Throws as `fit` does, and `std::invalid_argument`
+/// Takes the steps before the refinement: range offsets of the channels, and the start with its
+/// leaf angles. The log is read several times. Throws as `fit` does, and `std::invalid_argument`
 /// for a fitter that does not refine and for all echoes.
 FitStart begin_fit(BeamSource& log, const FitOptions& options, const FitProgress& progress = {});
 
@@ -24,17 +24,17 @@ FitStart begin_fit(BeamSource& log, const FitOptions& options, const FitProgress
 likelihood::Refinement begin_refinement(const FitStart& start, const LogInfo& info,
                                         const FitOptions& options);
 
-/// Makes the pass that the refinement wants over some rows of the log. Sums of all rows, added in
-/// any order, are those of the whole. Where no pass is wanted, the sums have no beams.
+/// Makes the pass that the next M-step needs over some rows of the log. Sums of all rows, added in
+/// any order, are those of the whole. After the last M-step, the sums have no beams.
 likelihood::PassSums sum_of_rows(BeamSource& rows, const likelihood::Refinement& refinement,
                                  const FitOptions& options, const FitProgress& progress = {});
 
-/// Takes the M-steps that follow from the sums of all rows; nothing where no pass was wanted.
+/// Takes the M-steps that follow from the sums of all rows; none after the last M-step.
 void take_step(likelihood::Refinement& refinement, likelihood::PassSums sums, const FitStart& start,
                const LogInfo& info, const FitOptions& options);
 
-/// Ends a fit whose refinement wants no pass: corrects the densities, and learns from the log what
-/// a fit learns after the refinement. Returns what `fit` returns.
+/// Ends a fit whose refinement has ended: corrects the densities, and learns the parts of the model
+/// that a fit learns after the refinement. Returns what `fit` returns.
 FitResult end_fit(BeamSource& log, FitStart start, likelihood::Refinement refinement,
                   const FitOptions& options);
 

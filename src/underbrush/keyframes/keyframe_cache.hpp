@@ -1,5 +1,5 @@
 /// \file
-/// The keyframes of a model as a cache of measured returns, in which beams are looked up.
+/// The keyframes of a model as a cache of measured returns that is queried for beams.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -26,7 +26,7 @@ struct CachedPixels {
   size_t situation = 0;               ///< Index in `Keyframes::trust`.
 };
 
-/// The answer of one pixel to a beam; a miss has an infinite range.
+/// The return of one pixel for a beam; a miss has an infinite range.
 struct CachedReturn {
   double range_m;
   float intensity;
@@ -43,15 +43,15 @@ class KeyframeCache {
     double distance_m = HUGE_VAL;
   };
 
-  /// `model` must outlive it. Without keyframes nothing is found.
+  /// `model` must outlive it. Without keyframes no pixel is found.
   explicit KeyframeCache(const elements::Model& model);
 
   /// Whether the cache serves the beams of a log: the model has keyframes, and its sensor is that
-  /// of the log. Another sensor would have missed other beams. Sensors are told apart by their
+  /// of the log. Another sensor would have missed other beams. Sensors are distinguished by their
   /// names; where neither has one, the log is read to compare its beams with the pixels
   /// (`is_of_sensor`). The log is rewound before and after.
   static bool serves(const elements::Model& model, BeamSource& log);
-  /// The same by the names alone, of which none is equal to none.
+  /// Compares the names of the sensors only; two logs without a name count as equal.
   static bool serves(const elements::Model& model, const LogInfo& beams);
   /// The keyframes that may be the nearest ones to one of some places (world, m).
   std::vector<uint32_t> candidates(std::span<const Vec3> origins) const;
@@ -75,13 +75,14 @@ class KeyframeCache {
   const elements::KeyframeTrust& trust(const CachedPixels& r) const {
     return keyframes_->trust[r.situation];
   }
-  /// Draws from the mixture of `KeyframeTrust`. The result is empty if the elements are to answer.
-  /// `u`, even in [0, 1), selects the pixel, and `noise` is the key of the error of its range.
+  /// Draws from the mixture of `KeyframeTrust`. The result is empty if the return comes from the
+  /// elements. `u`, even in [0, 1), selects the pixel, and `noise` is the key of the error of its
+  /// range.
   std::optional<CachedReturn> drawn(const CachedPixels& r, double u, uint64_t noise) const;
   /// The return of pixel `k` of those found, without an error of its own.
   static CachedReturn return_of(const CachedPixels& r, size_t k);
-  /// The greatest weight of all pixels together at such a distance. For any `u` from here on the
-  /// elements answer, without a look-up.
+  /// The greatest weight of all pixels together at such a distance. For any `u` not below it, the
+  /// return comes from the elements, without a query.
   double greatest_weight(const Near& near) const {
     const size_t bin = distance_bin(near);
     return bin < greatest_weight_.size() ? greatest_weight_[bin] : 0;

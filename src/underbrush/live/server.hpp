@@ -1,6 +1,6 @@
 /// \file
-/// The sensor server: a service on a port. What carries it is a library of its own, so that the
-/// program starts as fast and needs as little without it.
+/// The sensor server: a service on a port. gRPC is linked in a separate library, which is loaded
+/// only when a server starts, so that other verbs start fast and need no gRPC.
 #pragma once
 #include <filesystem>
 #include <functional>
@@ -17,7 +17,7 @@ struct ServerOptions {
   std::string address = "127.0.0.1:0";
   std::string token;    ///< Clients name it.
   std::string version;  ///< The program's version.
-  int calls = 4;        ///< Calls that are answered or wait at a time; more are refused.
+  int calls = 4;        ///< Number of calls that run or wait at a time; more are refused.
   size_t request_bytes = 1 << 20;
   double deadline_s = 60;  ///< The longest that a call may take.
 };

@@ -47,8 +47,8 @@ struct Call {
 };
 
 /// The answers of a sensor server. Its functions may be called from several threads at a time; one
-/// firing after another is answered, so that each has all processors. They are virtual so that what
-/// carries the answers, which is loaded when a server starts, links nothing else of the library.
+/// firing after another is answered, so that each has all processors. They are virtual so that the
+/// library with gRPC, which is loaded when a server starts, links nothing else of this library.
 class Service {
  public:
   virtual ~Service() = default;

@@ -1,5 +1,5 @@
 /// \file
-/// This file scores the intensities of simulated returns.
+/// Scores of the intensities of simulated returns.
 #pragma once
 #include <cstdint>
 #include <limits>
@@ -25,16 +25,17 @@ struct IntensityErrors {
 /// The scores of intensities over the beams that return in both logs.
 struct IntensityScore {
   IntensityErrors simulated;
-  /// What the mean of all real returns scores as the prediction of each. No constant has a smaller
-  /// RMSE, because it is taken from the log that it is scored on.
+  /// Errors of a constant prediction: the mean of all real returns. No constant has a smaller RMSE,
+  /// because the mean is that of the log which is scored.
   IntensityErrors constant;
-  /// What the mean of the real returns of its class, or of its kind of element, scores for each.
+  /// Errors of a constant prediction for each class or kind of element: the mean of its real
+  /// returns.
   IntensityErrors group_constant;
   /// "class" if the real log has classes, else "kind" if there is a model, else empty.
   std::string groups;
   double real_mean = 0, real_sd = 0, simulated_mean = 0, simulated_sd = 0;
   /// First Wasserstein distance of the two distributions: the mean difference of the sorted
-  /// intensities, which does not ask which beam has which.
+  /// intensities, which ignores the assignment to beams.
   double wasserstein = 0;
   std::map<std::string, IntensityErrors> per_range;  ///< By real range, "0-10" and so on, m.
   /// By the angle of incidence (`elements::incidence_cosine`) on the element that explains the real

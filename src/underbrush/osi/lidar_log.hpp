@@ -1,5 +1,5 @@
 /// \file
-/// This file converts the scans of a log to SensorViews with reflections, and back.
+/// Conversion of the scans of a log to SensorViews with reflections, and back.
 #pragma once
 #include <cstdint>
 
@@ -17,10 +17,10 @@ struct LidarLogOptions {
   uint64_t sensor_id = 0;
 };
 
-/// The rows of one scan as what a lidar sees that stands where the scan's pose is. An end point
-/// that was measured on the way is seen from there. Rows of several echoes become the rays of one
-/// beam, of which there are as many as the beam with the most echoes has. The caller sets the
-/// ground truth.
+/// Converts the rows of one scan to a SensorView of a lidar at the scan's pose. End points of beams
+/// from other places are converted to directions and ranges from this pose. Rows of several echoes
+/// become the rays of one beam; each beam has as many rays as the beam with the most echoes. The
+/// caller sets the ground truth.
 SensorView view_of(const BeamLog& rows, const ScanInfo& scan, const LidarLogOptions& options = {});
 
 /// Appends the beams of a view to a log, and its scan to the log's scans. The frame is that of the

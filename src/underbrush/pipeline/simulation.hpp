@@ -20,13 +20,13 @@ class Simulation {
   using SensorOf = std::function<sensor::Sensor(const char* what)>;
 
   /// `world` must outlive this, and have been prepared with the matter of the options
-  /// (`matter_of`). Of a world of regions those are opened that the beams can reach; `sensor_of` is
-  /// then called again, and no more memory is used than the options say. Throws
+  /// (`matter_of`). In a world of regions, only the regions that the beams can reach are opened;
+  /// `sensor_of` is then called again, and the options limit the memory. Throws
   /// `std::invalid_argument` for options out of range or without effect, and for a material that
   /// the table does not have.
   Simulation(const TracedWorld& world, SimulateOptions options, const SensorOf& sensor_of = {});
   /// The same for beams of a rig, which have the column `sensor` (`perception::RigSource`). All
-  /// sensors see the same matter: they share the seed, and their beams have different numbers.
+  /// sensors measure the same matter: they share the seed, and their beams have different numbers.
   /// Waveforms are those of the first sensor.
   Simulation(const TracedWorld& world, const SimulateOptions& options,
              const std::vector<sensor::Sensor>& rig);
@@ -45,10 +45,10 @@ class Simulation {
   /// `answer`.
   void continue_after(std::vector<size_t> fired) { fired_ = std::move(fired); }
 
-  /// Finds out whether a log, whose beams are to be answered, is of the sensor of the world's
-  /// keyframes, which have no part in the answers where it is not. Only a log without a sensor's
-  /// name is read for it, as `KeyframeCache::serves` does. Before the first call sensors without a
-  /// name count as the same. `simulate_log` calls it, and sensors of a rig are known.
+  /// Determines whether the log whose beams are simulated was recorded by the sensor of the model's
+  /// keyframes. If not, keyframes are not used. Only a log without the name of a sensor is read for
+  /// this (`KeyframeCache::serves`). Before the first call, sensors without a name count as the
+  /// same. `simulate_log` calls it, and sensors of a rig are known.
   void recognise(BeamSource& log);
 
   const TracedWorld& world() const { return *world_; }
@@ -58,7 +58,7 @@ class Simulation {
   size_t rays_traced() const;
   /// The sensor of an instrument, of a rig the first one; without a name for thin rays.
   const sensor::Sensor& sensor() const;
-  /// Whether keyframes of the world's model have a part in the answers to such beams.
+  /// Whether keyframes of the world's model are used for such beams.
   bool keyframes_serve(const LogInfo& beams) const;
 
  private:

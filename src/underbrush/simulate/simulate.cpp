@@ -129,15 +129,15 @@ uint32_t interval_of(uint64_t trial, uint64_t patch) {
   return (uint32_t(trial >> 32) + uint32_t(patch >> 48)) >> 16;
 }
 
-/// Draws the returns of beams from the pixels of keyframes, and nothing where the elements answer,
-/// of which each beam met one or none (`met`). Only beams whose draw may fall on a pixel are looked
-/// up. Where matter is drawn once, the beams that meet it in the same patch of pixels share their
-/// draw (for the correlation time if it sways), because the pixels bring the sensor's own noise
-/// with them.
+/// Draws for each beam whether a pixel of a keyframe determines its return, and if so the return.
+/// The result is empty for all other beams, whose returns come from the elements in `met` (one or
+/// none for each beam). The cache is queried only for beams whose draw may fall on a pixel. Where
+/// matter is drawn once, the beams that meet it in the same patch of pixels share their draw (for
+/// the correlation time if it sways), because the pixels contain the noise of the sensor.
 std::vector<std::optional<keyframes::CachedReturn>> cached_returns(
     const keyframes::KeyframeCache& cache, const Shots& shots, std::span<const Intersection> met,
     const std::optional<uint64_t>& matter, bool sways) {
-  constexpr double kFarM = 100;  // where the pixel of a miss is looked for
+  constexpr double kFarM = 100;  // range at which the pixel of a miss is queried
   std::vector<std::optional<keyframes::CachedReturn>> out(met.size());
   std::vector<keyframes::KeyframeCache::Query> queries = cache.queries(shots.rays, shots.rings);
   std::vector<uint32_t> number;
@@ -168,7 +168,7 @@ std::vector<std::optional<keyframes::CachedReturn>> cached_returns(
   return out;
 }
 
-/// The way from the origin of shot k to a point that is drawn in the ellipsoid that it met.
+/// The vector from the origin of shot k to a random point in the ellipsoid that it met.
 Vec3 to_drawn_point(const DynamicWorld& world, const Shots& shots, size_t k,
                     const Intersection& met) {
   const elements::Instance placed = world.placed(met.instance, shots.time_s[k]);
@@ -176,7 +176,7 @@ Vec3 to_drawn_point(const DynamicWorld& world, const Shots& shots, size_t k,
          shots.rays[k].origin;
 }
 
-/// Draws the range of shot k, which met an element, along its ray (m): that of the matter, or anew.
+/// Draws the range (m) along its ray of shot k, which met an element: once for the matter, or anew.
 double drawn_range(const Simulation& s, const Shots& shots, size_t k, const Intersection& met,
                    MatterAt& matter_of) {
   if (!s.matter) return drawn_on_ray(met, shots.keys[k], s.limits);
@@ -186,8 +186,8 @@ double drawn_range(const Simulation& s, const Shots& shots, size_t k, const Inte
                          matter_of.model(met, time_s).range_noise_m, s.limits);
 }
 
-/// Draws where a shot ends in unknown space before it comes to what it met; nothing where it does
-/// not.
+/// Draws the range at which a shot ends in unknown space, if that is nearer than the element it
+/// met; empty if it is not.
 std::optional<double> drawn_in_unknown(const Simulation& s, const Shots& shots, size_t k,
                                        const Intersection& met) {
   const trace::UnknownSpace* unknown = s.world.world().unknown_space();
@@ -195,8 +195,8 @@ std::optional<double> drawn_in_unknown(const Simulation& s, const Shots& shots, 
   return unknown->drawn_end(shots.rays[k], s.matter.value_or(shots.keys[k]), s.limits, met);
 }
 
-/// Finds the element at which each shot ends, or draws a pixel of a keyframe, which has part of the
-/// static world only: a moving object before it hides it.
+/// Finds the element at which each shot ends, or draws a pixel of a keyframe. Pixels contain the
+/// static world alone, so a moving object that is nearer hides them.
 CachedReturns nearest_answers(const Simulation& s, const Shots& shots,
                               std::span<Intersection> met) {
   if (!s.cache) {

@@ -18,8 +18,8 @@ namespace underbrush::trace {
 /// its nearest part.
 class GroundHeights {
  public:
-  /// Takes the ground of a mesh, of which only the vertices count that `keep` says, or all if it is
-  /// empty. `lost` are beams that were lost below it.
+  /// Uses the vertices of the mesh that `keep` selects, or all if `keep` is empty. `lost` are beams
+  /// that were lost below the ground.
   GroundHeights(const elements::TriangleMesh& ground, const std::vector<bool>& keep,
                 std::span<const elements::LostBeams> lost = {});
   /// Whether no ground is known at all.
@@ -36,7 +36,7 @@ class GroundHeights {
   /// near it: 1 where there are none.
   double share(double x, double y) const { return share_.empty() ? 1 : between(share_, x, y); }
   /// The range (m) at which a ray (frame of the mesh) first comes below the ground within limits,
-  /// looked for in steps of `step_m`; nothing where it does not.
+  /// found in steps of `step_m`; empty where it does not.
   std::optional<double> entry(const Ray& ray, const RangeLimits& limits, double step_m) const;
   double lowest_m() const { return lowest_m_; }
   double highest_m() const { return highest_m_; }
