@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Checks the layers: a module includes what its CMakeLists.txt declares, no less and no more; each large third party is
 used only in its module's sources; the library neither prints nor exits; each folder above the library uses only the
-folders below it. A source with compiler options of its own skips the precompiled header, which would undo them in
-functions with a target attribute."""
+folders below it; units do not include each other in a circle. A source with compiler options of its own skips the
+precompiled header, which would undo them in functions with a target attribute."""
 import posixpath
 import re
 
@@ -54,8 +54,7 @@ INNER_PARTS = [
      {**PIPELINE, "src/underbrush/fit/": "fitters are here", "src/underbrush/update/": "updates are made here",
       "src/underbrush/jobs/fit_stage.": "a fit in stages of its own processes, which `pipeline` completes",
       "apps/underbrush/reference_main.cpp": "the reference page lists the fitters",
-      **tests_of("ball_scanner.hpp", "calibrate/", "credit/", "fit/", "keyframes/", "likelihood/", "optimize/", "pipeline/",
-                 "update/")}),
+      **tests_of("ball_scanner.hpp", "calibrate/", "credit/", "fit/", "keyframes/", "likelihood/", "pipeline/", "update/")}),
 ]
 FORBIDDEN = (
     r"#\s*include\s*<(?P<header>iostream|syncstream)>|\b(?:std::)?(?P<call>printf|puts|putchar|fprintf|"
@@ -246,9 +245,28 @@ def check_inner_parts(includes):
                 yield f"{prefix}: is listed among the INNER_PARTS of tests/rules/layers.py but needs none of them"
 
 
+def check_circles(includes):
+    """Circles of units, each of which is a source with the header of its name: a unit that needs another one must not be
+    needed by it."""
+    def unit(path):
+        return re.sub(r"\.[\w.]+$", "", path)
+
+    needs = {}
+    for path in sorted(includes.files):
+        found = {unit(t) for t in (includes.resolve(path, name) for _, name in includes.of[path]) if t}
+        needs.setdefault(unit(path), set()).update(found - {unit(path)})
+    while needs:  # without the units that need none of those left, or that none of those left needs
+        needed = set().union(*needs.values())
+        left = {u: found & set(needs) for u, found in needs.items() if found & set(needs) and u in needed}
+        if left == needs:
+            yield f"{', '.join(sorted(left))}: include each other in a circle: move what they share to a header of its own"
+            return
+        needs = left
+
+
 def check(root):
     includes, depends = Includes(root), declared(root)
-    out = list(check_inner_parts(includes))
+    out = list(check_inner_parts(includes)) + list(check_circles(includes))
     for path in sorted(includes.files):
         if module_of(path):
             out += check_module_file(path, includes, depends)
@@ -299,6 +317,7 @@ BAD += [
     ({"apps/underbrush/a.cpp": "#include <embree3/rtcore.h>\n"}, "Embree"),
     ({"report/a.cpp": '#include "cli/verb.hpp"\n', "cli/verb.hpp": ""}, "report may not include"),
     ({"bench/echoes.cpp": "int x;\n"}, "needs none of them"),
+    ({"report/a.cpp": '#include "report/b.hpp"\n', "report/b.hpp": '#include "report/a.hpp"\n', "report/a.hpp": ""}, "circle"),
     ({"report/a.cpp": '#include "studies/study.hpp"\n', "studies/study.hpp": ""}, "report may not include"),
     ({"cli/a.cpp": '#include "fit_options.hpp"\n', "apps/underbrush/fit_options.hpp": ""},
      "cli may not include"),

@@ -4,6 +4,7 @@
 #include "underbrush/core/still_beams.hpp"
 #include "underbrush/fit/fit_parts.hpp"
 #include "underbrush/fit/gather.hpp"
+#include "underbrush/fit/part_options.hpp"
 
 namespace underbrush::fit {
 

@@ -7,8 +7,8 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/fit/fitters.hpp"
+#include "underbrush/fit/refinement_json.inl"
 #include "underbrush/io/json_text.inl"
-#include "underbrush/pipeline/fit_json.inl"
 
 namespace underbrush::pipeline {
 namespace fs = std::filesystem;
@@ -33,7 +33,7 @@ class Origin {
     return {file.string(), hash_of(file), open_log(file, all_echoes)->size()};
   }
   void add(const likelihood::LikelihoodReport& refinement) {
-    if (!refinement.steps.empty()) json_["likelihood"] = json_of(refinement);
+    if (!refinement.steps.empty()) json_["likelihood"] = fit::json_of(refinement);
   }
   std::string text() const { return io::text_of_json(json_); }
 

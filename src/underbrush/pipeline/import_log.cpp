@@ -6,6 +6,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/input.hpp"
+#include "underbrush/io/table.hpp"
 #include "underbrush/io/text.hpp"
 #include "underbrush/pipeline/import_checks.hpp"
 #include "underbrush/pipeline/row_filter.hpp"
