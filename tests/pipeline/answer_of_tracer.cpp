@@ -1,6 +1,7 @@
-/// Traces the rays of a sensor from where the scans of a log began, as the FMU and `osi replay` do, and answers the same
-/// rays by `Simulation`. Prints how many there are, how many return, how many of the two answers differ, and the farthest
-/// difference and the root mean square one (m) where both return:
+/// Traces the rays of a sensor from where the scans of a log began, as the FMU and `osi replay` do,
+/// and answers the same rays by `Simulation`. Prints how many there are, how many return, how many
+/// of the two answers differ, and the farthest difference and the root mean square one (m) where
+/// both return:
 ///   answer_of_tracer MODEL SENSOR LOG SEED
 #include <algorithm>
 #include <cmath>
@@ -53,8 +54,11 @@ int main(int argc, char** argv) {
   try {
     osi::ChainFile file;
     file.strategies.push_back({"tracer", "", {}, "", "tracer"});
-    for (const auto& [key, value] : {std::pair{"world", argv[1]}, {"sensor", argv[2]},
-                                     {"seed", argv[4]}, {"columns", "1"}, {"rows", "1"}}) {
+    for (const auto& [key, value] : {std::pair{"world", argv[1]},
+                                     {"sensor", argv[2]},
+                                     {"seed", argv[4]},
+                                     {"columns", "1"},
+                                     {"rows", "1"}}) {
       file.set("tracer", key, value);
     }
     osi::Chain chain(file);
@@ -83,8 +87,9 @@ int main(int argc, char** argv) {
       squares += off * off;
       ++both;
     }
-    std::printf(R"({"rays": %zu, "returns": %zu, "both": %zu, "other": %zu, "farthest_m": %g, "rms_m": %g})",
-                traced.size(), returns, both, other, farthest, std::sqrt(squares / double(both)));
+    std::printf(
+        R"({"rays": %zu, "returns": %zu, "both": %zu, "other": %zu, "farthest_m": %g, "rms_m": %g})",
+        traced.size(), returns, both, other, farthest, std::sqrt(squares / double(both)));
   } catch (const std::exception& e) {
     std::fprintf(stderr, "%s\n", e.what());
     return 1;
