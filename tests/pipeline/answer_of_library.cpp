@@ -1,5 +1,5 @@
-/// Answers the beams of a log by a model as a program of somebody else would, through `pipeline`. Writes the log OUTPUT and
-/// its ranges (m, 32-bit floats; infinite for a miss) to OUTPUT.ranges:
+/// Answers the beams of a log by a model as a program of somebody else would, through `pipeline`.
+/// Writes the log OUTPUT and its ranges (m, 32-bit floats; infinite for a miss) to OUTPUT.ranges:
 ///   answer_of_library MODEL LIKE OUTPUT SEED DRAW
 #include <cstdio>
 #include <exception>

@@ -198,7 +198,7 @@ UpdatedModel update_model(TrainedModel known, const FitLog& log, const UpdateLog
   before.model = std::move(known.model);
   before.record = std::move(training.record);
   update::UpdateResult grown = on_log(log, [&] {
-    return update::update(std::move(before), earlier, log.beams, training.options, options.how,
+    return update::update(std::move(before), earlier, log.beams, training.options, options,
                           progress);
   });
   UpdatedModel out;
