@@ -162,15 +162,15 @@ def check_declarations(includes, depends):
 
 
 def check_headers(includes, depends):
-    """HEADERS, which are installed, are those that code outside the module includes, and what these include. Tests
+    """HEADERS, which are installed, are those that code outside the library includes, and what these include. Tests
     of the library are not outside."""
     def included(path):
         return {includes.resolve(path, name) for _, name in includes.of[path]} - {None}
 
     public = set()
     for path in includes.files:
-        if not path.startswith("tests/") or path.startswith("tests/consumer/"):
-            public |= {t for t in included(path) if module_of(t) not in (None, module_of(path))}
+        if not path.startswith((LIBRARY, "tests/")) or path.startswith("tests/consumer/"):
+            public |= {t for t in included(path) if module_of(t)}
     todo = list(public)
     while todo:
         found = included(todo.pop()) - public
