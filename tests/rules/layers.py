@@ -30,12 +30,14 @@ ABOVE = {"report": (), "cli": (), "apps/underbrush": ("report", "cli"),
          "python": ("report", "cli", "apps/underbrush")}
 OWN_TARGETS = {"underbrush_report": "report", "underbrush_cli": "cli",
                "underbrush_app": "apps/underbrush", "underbrush_studies": "studies"}
-# What answers beams and what makes models: the headers, the names in code that reaches them by other headers, and who
-# may use them. The answer and the model that a user gets are made in `pipeline`, which everybody else calls.
+
+
 def tests_of(*names):
     return {f"tests/{name}": "tests of modules below `pipeline`" for name in names}
 
 
+# What answers beams and what makes models: the headers, the names in code that reaches them by other headers, and who
+# may use them. The answer and the model that a user gets are made in `pipeline`, which everybody else calls.
 PIPELINE = {"src/underbrush/pipeline/": "what users get is made here"}
 INNER_PARTS = [
     ("beams are answered", r"underbrush/simulate/(?!footprint|element_class|reflection|support)",
