@@ -1,13 +1,11 @@
 /// \file
-/// The option `--config FILE.yaml` of every verb, and the verb `dump-config VERB`.
+/// The option `--config FILE.yaml` of every verb.
 #pragma once
 #include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
 namespace underbrush::app {
-
-class Program;
 
 /// Reads and writes configurations as YAML: a flat map of a verb's options, with lists for options
 /// of several values and true or false for flags.
@@ -27,8 +25,5 @@ class YamlConfig : public CLI::Config {
  private:
   const CLI::App& root_;
 };
-
-/// Adds the verb `dump-config`.
-void add_dump_config(Program& program);
 
 }  // namespace underbrush::app

@@ -4,8 +4,8 @@
 #include <map>
 #include <string>
 
+#include "report/comparison.hpp"
 #include "report/markup.hpp"
-#include "report/report.hpp"
 
 namespace underbrush::report {
 

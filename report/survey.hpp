@@ -1,7 +1,7 @@
 /// The pictures and points of the logs for a report, gathered in two passes with bounded memory.
 #pragma once
+#include "report/comparison.hpp"
 #include "report/pictures.hpp"
-#include "report/report.hpp"
 
 namespace underbrush::report {
 

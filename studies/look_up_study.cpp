@@ -72,8 +72,8 @@ double add_baselines(const std::string& log, const BeamLog& train, const BeamLog
       {"look-up, 1 scan", metrics::LookUp::kWarped1},
       {"look-up, 2 scans", metrics::LookUp::kWarped2}};
   double best = INFINITY;
-  for (const auto& [name, how] : ways) {
-    const BeamLog answered = metrics::looked_up(train, test, how);
+  for (const auto& [name, kind] : ways) {
+    const BeamLog answered = metrics::looked_up(train, test, kind);
     const metrics::Score s = score_of(test, answered);
     best = std::min(best, s.all.capped_error_m);
     add_row(log, name, s, table, figures);

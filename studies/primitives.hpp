@@ -4,7 +4,6 @@
 #include <span>
 
 #include "studies/study.hpp"
-#include "underbrush/fit/fit.hpp"
 #include "underbrush/metrics/score.hpp"
 #include "underbrush/pipeline/world.hpp"
 #include "underbrush/plant_meshes/mesh_primitives.hpp"

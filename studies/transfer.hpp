@@ -4,7 +4,6 @@
 #include <string>
 
 #include "studies/study.hpp"
-#include "underbrush/fit/fit.hpp"
 #include "underbrush/metrics/score.hpp"
 
 namespace underbrush::studies {

@@ -6,9 +6,6 @@
 #include <chrono>
 #include <cmath>
 
-#include "studies/studies.hpp"
-#include "studies/targets.hpp"
-#include "studies/vegetation_repeats.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/export.hpp"
 #include "underbrush/pipeline/fit_model.hpp"
@@ -212,17 +209,6 @@ void add_static_targets(const StudyRun& run, const std::vector<std::string>& nam
   result.tables.push_back(distance_table(contenders, targets));
   result.tables.push_back(size_table(contenders, targets, rate));
   for (const Check& c : static_checks(contenders, targets)) result.checks.push_back(c);
-}
-
-StudyResult study_vegetation(const StudyRun& run) {
-  StudyResult result;
-  result.lead =
-      "Permeable Gaussian volumes against an opaque surface, learnt from the same beams: six "
-      "generated targets of fine triangles before a standing HDL-64E, and the real logs given.";
-  add_static_targets(run, static_target_names(), result);
-  add_repeated_logs(run, result);
-  add_mobile_logs(run, result);
-  return result;
 }
 
 }  // namespace underbrush::studies

@@ -6,7 +6,7 @@
 
 #include "studies/static_scan.hpp"
 #include "studies/study.hpp"
-#include "underbrush/fit/fit.hpp"
+#include "underbrush/fit/fit_options.hpp"
 
 namespace underbrush::studies {
 

@@ -110,10 +110,4 @@ std::array<double, 2> raster_phase(int scan);
 /// edge, at which it looks down at 10°.
 Pose miniature_from_scanner();
 
-/// Adds the results on the miniature. `change`, for tests, alters the solid that is simulated.
-void add_miniature(const StudyRun& run, StudyResult& result,
-                   const std::function<void(Solid&)>& change = {});
-/// Adds the results on a user's own pair of clouds in `run.data`. Returns false if there is none.
-bool add_own_pair(const StudyRun& run, StudyResult& result);
-
 }  // namespace underbrush::studies

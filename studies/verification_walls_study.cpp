@@ -135,11 +135,11 @@ void add_walls(const StudyRun& run, StudyResult& result) {
         {"planes, data sheet's noise", WallSource::kDataSheet},
         {"default fit", WallSource::kFit}};
     std::vector<Check> sound;  // The checks of the simulator that the faults are put into.
-    for (const auto& [source, how] : sources) {
-      const WallFigures f = figures_of(scans, how, {}, run.seed);
-      add_row(name, source, f, table, result.figures["walls"]);
-      for (const Check& c : wall_checks(name + ", " + source, f)) result.checks.push_back(c);
-      if (how == WallSource::kFaces) sound = wall_checks(name, f);
+    for (const auto& [title, source] : sources) {
+      const WallFigures f = figures_of(scans, source, {}, run.seed);
+      add_row(name, title, f, table, result.figures["walls"]);
+      for (const Check& c : wall_checks(name + ", " + title, f)) result.checks.push_back(c);
+      if (source == WallSource::kFaces) sound = wall_checks(name, f);
     }
     for (const NamedFault& fault : faults()) {
       const WallFigures f = figures_of(scans, WallSource::kFaces, fault.fault, run.seed);

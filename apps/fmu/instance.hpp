@@ -30,13 +30,6 @@ class CallError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A saved state: a copy of the model with its phase and time.
-struct SavedState {
-  Snapshot snapshot;
-  unsigned phase;
-  double time_s;
-};
-
 /// An instance.
 struct Instance {
   /// The environment's logger: status, category and text.

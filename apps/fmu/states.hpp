@@ -3,9 +3,16 @@
 #pragma once
 #include <memory>
 
-#include "instance.hpp"
+#include "model.hpp"
 
 namespace underbrush::fmu {
+
+/// A saved state: a copy of the model with its phase and time.
+struct SavedState {
+  Snapshot snapshot;
+  unsigned phase;
+  double time_s;
+};
 
 /// Keeps a state and returns the pointer by which the environment knows it.
 void* keep_state(SavedState state);

@@ -17,7 +17,7 @@ namespace fit_verb {
 
 struct Arguments {
   std::string log, output, splat, ground_mesh, update, echoes = "first";
-  pipeline::UpdateLogOptions how;
+  pipeline::UpdateLogOptions update_options;
   fit::FitOptions fit;
   jobs::FitStage stage;
 };
@@ -29,12 +29,12 @@ void add_update_options(Verb& verb, Arguments& a, CLI::Option* update,
   for (const CLI::Option* option : of_fit) update->excludes(app.get_option(option->get_name()));
   update->excludes(app.get_option("--seed"));
   verb.begin_rare_group("fit --update");
-  app.add_option("--growth", a.how.how.growth,
+  app.add_option("--growth", a.update_options.growth,
                  "Fit a tile anew when the number of its returns has grown by this share since its "
                  "last fit; 0 = always, so that the elements are those of one fit of all logs")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  app.add_option("--logs", a.how.logs, "Folder that now holds the logs of the model")
+  app.add_option("--logs", a.update_options.logs, "Folder that now holds the logs of the model")
       ->type_name("FOLDER")
       ->needs(update);
 }
@@ -101,7 +101,7 @@ void run_update(const Verb& verb, const Arguments& a) {
   pipeline::TrainedModel known = pipeline::read_trained(a.update);
   const auto log = pipeline::open_log(a.log, known.model.all_echoes);
   const pipeline::UpdatedModel updated =
-      pipeline::update_model(std::move(known), {*log, a.log}, a.how,
+      pipeline::update_model(std::move(known), {*log, a.log}, a.update_options,
                              std::bind_front(&Verb::provenance, &verb), shown<StageProgress>());
   finish(verb, a, updated, log->skipped());
 }
@@ -122,7 +122,8 @@ void run(const Verb& verb, Arguments& a) {
   }
   elements::check_model_output(a.output);
   if (!a.update.empty()) return run_update(verb, a);
-  require(a.how.how.growth == update::UpdateOptions().growth, "fit: --growth requires --update");
+  require(a.update_options.growth == update::UpdateOptions().growth,
+          "fit: --growth requires --update");
   run_fit(verb, a);
 }
 

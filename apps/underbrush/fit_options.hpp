@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "cli/verb.hpp"
-#include "underbrush/fit/fit.hpp"
+#include "underbrush/fit/fit_options.hpp"
 
 namespace underbrush::app {
 

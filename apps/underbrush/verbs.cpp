@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cli/dump_config.hpp"
 #include "run.hpp"
 #include "underbrush/sensor/sensor.hpp"
 

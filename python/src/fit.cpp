@@ -79,7 +79,7 @@ ModelValue updated(const GivenLog& log, const GivenModel& model, double growth,
     const std::unique_ptr<BeamSource> beams = source_of(log, known.model.all_echoes);
     WatchedSource source(*beams, hook, "fit");
     pipeline::UpdateLogOptions options;
-    options.how.growth = growth;
+    options.growth = growth;
     options.logs = logs;
     out = value_of(pipeline::update_model(std::move(known), {source, file_of(log)}, options,
                                           with_hashes(provenance), hook),

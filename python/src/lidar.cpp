@@ -10,8 +10,8 @@
 #include <optional>
 
 #include "bind.hpp"
-#include "fired_into.hpp"
 #include "poses.hpp"
+#include "prepared_world.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/live/live_sensors.hpp"
 
@@ -78,7 +78,7 @@ class Lidar {
   }
 
   std::mutex mutex_;
-  FiredInto target_;
+  PreparedWorld target_;
   live::LiveSensors sensors_;
   uint32_t scans_ = 0;
   size_t beams_ = 0;

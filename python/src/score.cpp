@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 
 #include "bind.hpp"
-#include "fired_into.hpp"
 #include "given.hpp"
+#include "prepared_world.hpp"
 #include "report/report.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/pipeline/score_json.inl"
@@ -71,7 +71,7 @@ ScoreValue scored(const GivenLog& real, const GivenLog& simulated,
       return [&hook, &log] { return std::make_unique<WatchedLog>(source_of(log), hook); };
     };
     const auto a = source_of(real), b = source_of(simulated);
-    std::optional<FiredInto> world;
+    std::optional<PreparedWorld> world;
     if (model) world.emplace(*model, SimulateOptions());
     name_file_of(simulated, [&] {
       static_cast<metrics::Score&>(out) = pipeline::score_logs(

@@ -8,8 +8,8 @@
 #include <nanobind/stl/vector.h>
 
 #include "bind.hpp"
-#include "fired_into.hpp"
 #include "option_table.hpp"
+#include "prepared_world.hpp"
 #include "report/waveform_outputs.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/driver_layout.hpp"
@@ -67,7 +67,7 @@ std::pair<BeamLog, pipeline::SimulateCounts> simulated(const GivenWorld& model,
     report::WaveformOutputs waveforms(options.waveforms);
     waveforms.receive_from(options.pipeline);
     options.pipeline.check();
-    const FiredInto target(model, options);
+    const PreparedWorld target(model, options);
     const std::unique_ptr<BeamSource> fired = beams.open();
     pipeline::Simulation simulation = beams.simulation(target.world(), options.pipeline, *fired);
     WatchedSource source(*fired, hook, "simulate");

@@ -4,9 +4,8 @@
 #include "drive_past.hpp"
 #include "underbrush/actors/actor_beams.hpp"
 #include "underbrush/pipeline/learn_actors.hpp"
-#include "underbrush/pipeline/world.hpp"
+#include "underbrush/pipeline/simulation.hpp"
 #include "underbrush/sensor/pattern.hpp"
-#include "underbrush/simulate/simulate.hpp"
 
 namespace underbrush::actors {
 namespace {
@@ -55,11 +54,10 @@ Drive simulated_drive() {
   const Pose stands{Eigen::Quaterniond::Identity(), Vec3(0, 0, 1.8)};
   Drive out;
   out.log = sensor::beams(s, Trajectory({{0, stands}, {2, stands}}), 0, 2);
-  simulate::Options options;
+  pipeline::SimulateOptions options;
   options.element_ids = true;
   options.range_noise_m = 0.01;
-  options.instance_labels = traced.labels();
-  simulate::simulate(traced.dynamic(), options, 0, out.log);
+  pipeline::Simulation(traced, options).answer(0, out.log);
   for (int k = 0; k < kScans; ++k) {
     const double t = 0.05 + 0.1 * k;
     const Pose pose = pose_at(t);
@@ -186,7 +184,7 @@ TEST(Actors, TheReplayOfALearntActorMeasuresWhatWasMeasured) {
   pipeline::add_actors(world, learnt.actors);
   const pipeline::TracedWorld traced(std::move(world));
   BeamLog again = d.log;
-  simulate::simulate(traced.dynamic(), {}, 0, again);
+  pipeline::Simulation(traced, {}).answer(0, again);
   size_t car = 0, near = 0, elsewhere = 0, ghosts = 0;
   for (size_t i = 0; i < d.log.size(); ++i) {
     if (!is_car(d.log, i)) {
@@ -213,7 +211,7 @@ double share_of_side(const elements::Model& model, double side) {
     beams.origin[i] = Vec3(x, side * 10, random.uniform(-0.3, 0.6));
     beams.direction[i] = Vec3f(0, float(-side), 0);
   }
-  simulate::simulate(trace::World(model), {}, 0, beams);
+  pipeline::Simulation(pipeline::TracedWorld(model), {}).answer(0, beams);
   size_t near = 0;
   for (const float range : beams.range_m) {
     near += std::abs(double(range) - 10 + kSize.y() / 2) < 0.15;

@@ -7,8 +7,7 @@
 #include "io/temporary.hpp"
 #include "underbrush/actors/actor_edits.hpp"
 #include "underbrush/core/check.hpp"
-#include "underbrush/pipeline/world.hpp"
-#include "underbrush/simulate/simulate.hpp"
+#include "underbrush/pipeline/simulation.hpp"
 
 namespace underbrush::actors {
 namespace {
@@ -80,7 +79,7 @@ TEST(Actors, AreMetWhereAndWhileTheyAreThere) {
   beams.info.max_range_m = 120;
   beams.resize(31);
   for (size_t i = 0; i < beams.size(); ++i) beams.time_s[i] = 0.1 * double(i);
-  simulate::simulate(traced.dynamic(), {}, 0, beams);
+  pipeline::Simulation(traced, {}).answer(0, beams);
   for (size_t i = 0; i < beams.size(); ++i) {
     EXPECT_NEAR(beams.range_m[i], i < 20 ? 10 + double(i) : 50, 1e-4) << i;
   }

@@ -42,10 +42,9 @@ BeamLog recorded() {
   const Pose stands{Eigen::Quaterniond::Identity(), kSensor};
   BeamLog log =
       sensor::beams(sensor::load("velodyne-vlp16"), Trajectory({{0, stands}, {2, stands}}), 0, 2);
-  simulate::Options options;
+  pipeline::SimulateOptions options;
   options.element_ids = true;
-  options.instance_labels = traced.labels();
-  simulate::simulate(traced.dynamic(), options, 0, log);
+  pipeline::Simulation(traced, options).answer(0, log);
   const auto& instance = std::get<std::vector<uint32_t>>(log.extra.at("instance"));
   for (size_t i = 0; i < log.size(); ++i) log.flags[i] |= instance[i] == 1 ? kMover : 0;
   log.extra.clear();

@@ -7,6 +7,7 @@
 #include "drive_past.hpp"
 #include "underbrush/calibrate/light_response.hpp"
 #include "underbrush/core/parallel.hpp"
+#include "underbrush/elements/element_light.hpp"
 #include "underbrush/fit/fit.hpp"
 
 namespace underbrush::calibrate {

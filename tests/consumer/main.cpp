@@ -2,7 +2,7 @@
 // there.
 #include <cstdio>
 
-#include "underbrush/simulate/simulate.hpp"
+#include "underbrush/pipeline/simulation.hpp"
 
 int main() {
   using namespace underbrush;
@@ -15,8 +15,8 @@ int main() {
 
   BeamLog beams;
   beams.resize(1000);
-  const trace::World world(model);
-  simulate::simulate(world, simulate::Options{}, 0, beams);
+  const pipeline::TracedWorld world(model);
+  pipeline::Simulation(world, {}).answer(0, beams);
   size_t hits = 0;
   for (size_t i = 0; i < beams.size(); ++i) hits += beams.is_hit(i);
   std::printf("%zu of %zu beams hit\n", hits, beams.size());

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "underbrush/elements/element_light.hpp"
 #include "underbrush/elements/model.hpp"
 
 namespace underbrush::elements {

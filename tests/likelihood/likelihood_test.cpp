@@ -72,7 +72,7 @@ LikelihoodOptions plain_options() {
 
 /// The mean −log f of the held-out beams, nats.
 double nll_of(const elements::Model& model, BeamSource& source, const credit::HeldOut& held_out) {
-  return judge(trace::World(model), ListedBeams(source, held_out, model, 0));
+  return validation_nll(trace::World(model), ListedBeams(source, held_out, model, 0));
 }
 
 TEST(Likelihood, TheLastRoundsOfALongLogTakeAllBeamsAndEarlierOnesAQuarterEach) {

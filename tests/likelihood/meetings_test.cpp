@@ -117,7 +117,7 @@ TEST(ListedBeams, ThatAreNotKeptGiveTheSame) {
     EXPECT_EQ(some.training_beams(), kept.training_beams());
     expect_same(expect(world, some, {}, {}), all, model);
     expect_same(expect(world, some, {1, 3}, {}), expect(world, kept, {1, 3}, {}), model);
-    EXPECT_EQ(judge(world, some), judge(world, kept));
+    EXPECT_EQ(validation_nll(world, some), validation_nll(world, kept));
   }
 }
 
@@ -129,7 +129,7 @@ TEST(ListedBeams, AreJudgedAsTheyAreLearntFrom) {
   const double learnt =
       expect(world, ListedBeams(source, credit::HeldOut{0}, model, kMany), {}, {}).nll;
   const ListedBeams all_apart(source, credit::HeldOut{1}, model, kMany);
-  EXPECT_EQ(judge(world, all_apart), learnt);
+  EXPECT_EQ(validation_nll(world, all_apart), learnt);
   EXPECT_EQ(all_apart.held_out_hits(), 4800u);
 }
 

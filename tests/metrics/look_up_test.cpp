@@ -58,8 +58,8 @@ Compared compared(const BeamLog& real, const BeamLog& answered) {
 
 TEST(LookUp, FindsTheSameScanAgain) {
   const BeamLog log = log_of({Vec3::Zero()});
-  for (const LookUp how : {LookUp::kRaw, LookUp::kWarped1, LookUp::kWarped2}) {
-    const Compared c = compared(log, looked_up(log, log, how));
+  for (const LookUp kind : {LookUp::kRaw, LookUp::kWarped1, LookUp::kWarped2}) {
+    const Compared c = compared(log, looked_up(log, log, kind));
     EXPECT_EQ(c.wrong, 0u);
     EXPECT_GT(c.hits, 1000u);
     EXPECT_LT(c.worst_m, 1e-5);

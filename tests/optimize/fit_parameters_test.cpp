@@ -4,7 +4,7 @@
 
 #include <set>
 
-#include "underbrush/fit/fit.hpp"
+#include "underbrush/fit/parameters.hpp"
 
 namespace underbrush::optimize {
 namespace {

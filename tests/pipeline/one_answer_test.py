@@ -1,12 +1,16 @@
 #!/usr/bin/env python3
 """One answer: the program, the library and the server give the same bits for the same request, on a log that has every
-feature at once (every_feature.py). python/tests/test_one_answer.py does the same with Python.
+feature at once (every_feature.py), and the tracer of the FMU the same ranges for the rays that OSI knows.
+python/tests/test_one_answer.py does the same with Python.
 
-  one_answer_test.py --program build/bin/underbrush --library build/tests/answer_of_library
+  one_answer_test.py --program build/bin/underbrush --library build/tests/answer_of_library --tracer
+    build/tests/answer_of_tracer
 """
 import argparse
 import json
+import math
 import pathlib
+import shutil
 import struct
 import subprocess
 import sys
@@ -19,7 +23,7 @@ import cli_test  # noqa: E402
 import every_feature  # noqa: E402
 import serving  # noqa: E402
 
-LIBRARY = None
+LIBRARY = TRACER = None
 NO_BEAM = 0xffffffff
 
 
@@ -34,6 +38,13 @@ def ranges_of(file):
     """The ranges of the rows of a log; 0 for a miss."""
     rows = every_feature.Rows(file)
     return [sum(r[rows.at["n" + a]] ** 2 for a in "xyz") ** 0.5 if r[rows.at["alpha"]] else 0.0 for r in rows.rows]
+
+
+def library_ranges(folder, model, log):
+    """The ranges of the library's answer to a log, to the bit; 0 for a miss. The files of logs have rounded vectors."""
+    subprocess.run([LIBRARY, model, log, "library.ply", "5", ""], cwd=folder, check=True)
+    return [r if math.isfinite(r) else 0.0
+            for (r,) in struct.iter_unpack("<f", (folder / "library.ply.ranges").read_bytes())]
 
 
 def body(file):
@@ -83,12 +94,12 @@ class OneAnswer(unittest.TestCase):
             self.assertEqual(body(self.folder / "program.ply"), body(self.folder / "library.ply"), words)
 
     def test_the_range_images_of_the_server_are_those_of_the_program(self):
-        beams = len(ranges_of(self.folder / "sim.ply"))
-        self.assertGreater(self.compared_images(self.server, 0, 1, "sim.ply"), 0.5 * beams)
+        ranges = library_ranges(self.folder, "model", "test.ply")
+        self.assertGreater(self.compared_images(self.server, 0, 1, "sim.ply", ranges), 0.5 * len(ranges))
 
-    def compared_images(self, server, log, world, simulated):
-        """Compares the range images of a log with what the program has simulated; returns the number of beams."""
-        rows, ranges = every_feature.Rows(self.folder / simulated), ranges_of(self.folder / simulated)
+    def compared_images(self, server, log, world, simulated, ranges):
+        """Compares the range images of a log with the ranges of a simulated one; returns the number of beams."""
+        rows = every_feature.Rows(self.folder / simulated)
         compared = 0
         for run in range(1 + max(rows.column("scan")) // 2):
             status, _, image = server.get(f"api/range_image?file={log}&run={run}&world={world}&seed=5")
@@ -98,7 +109,7 @@ class OneAnswer(unittest.TestCase):
             for row, _, answer in struct.iter_unpack("<I2f", image[12:]):
                 if row == NO_BEAM:
                     continue
-                self.assertAlmostEqual(answer, ranges[row], delta=1e-6 * max(10.0, ranges[row]))
+                self.assertEqual(answer, ranges[row])
                 compared += 1
             self.assertEqual(len(image), 12 + 12 * width * height)
         return compared
@@ -111,32 +122,54 @@ class OneAnswer(unittest.TestCase):
             report = json.loads(program("simulate", "unnamed", "--like", f"{log}.ply", "--seed", 5, "-o",
                                         f"{log}_sim.ply", "--json", "-", cwd=self.folder))
             self.assertEqual(report["keyframes"], serves)
-            subprocess.run([LIBRARY, "unnamed", f"{log}.ply", f"{log}_library.ply", "5", ""], cwd=self.folder,
-                           check=True)
-            self.assertEqual(body(self.folder / f"{log}_sim.ply"), body(self.folder / f"{log}_library.ply"))
+            ranges = library_ranges(self.folder, "unnamed", f"{log}.ply")
+            self.assertEqual(body(self.folder / f"{log}_sim.ply"), body(self.folder / "library.ply"))
             server.octree(file)
-            self.assertGreater(self.compared_images(server, file, 2, f"{log}_sim.ply"), 1000)
-            ranges = ranges_of(self.folder / f"{log}_sim.ply")
+            self.assertGreater(self.compared_images(server, file, 2, f"{log}_sim.ply", ranges), 1000)
             ends = [server.json_of(f"api/trace?file={file}&row={row}&world=2&seed=5")["ends_by"]
                     for row in range(7, len(ranges), len(ranges) // 100)]
             self.assertEqual("keyframe" in ends, serves)
 
     def test_the_server_explains_the_answer_of_the_program(self):
-        ranges = ranges_of(self.folder / "sim.ply")
+        ranges = library_ranges(self.folder, "model", "test.ply")
         ends = {"element": 0, "keyframe": 0, "unknown space": 0, "miss": 0}
         for row in range(7, len(ranges), len(ranges) // 800):
             trace = self.server.json_of(f"api/trace?file=0&row={row}&world=1&seed=5")
-            self.assertAlmostEqual(trace["simulated_range_m"] or 0.0, ranges[row], delta=1e-6 * max(10.0, ranges[row]), msg=trace)
+            self.assertEqual(trace["simulated_range_m"] or 0.0, ranges[row], trace)
             ends[trace["ends_by"]] += 1
             self.assertEqual(trace["ends_at"] is not None, trace["ends_by"] == "element")
         self.assertGreater(ends.pop("unknown space"), 3)
         self.assertGreater(min(ends.values()), 20, ends)
+
+    def test_the_tracer_of_the_fmu_answers_rays_as_simulate_without_keyframes_offsets_and_light(self):
+        """OSI's rays have no sensor with a name, so `simulate` uses neither keyframes nor offsets for them."""
+        def answers(model):
+            done = subprocess.run([TRACER, model, "coarse.yaml", "test.ply", "5"], cwd=self.folder, check=True,
+                                  capture_output=True, text=True)
+            return json.loads(done.stdout)
+        shutil.copytree(self.folder / "model", self.folder / "noiseless")
+        manifest = self.folder / "noiseless/model.json"
+        model = json.loads(manifest.read_text())
+        noise_m = model["range_noise_m"]
+        manifest.write_text(json.dumps({**model, "range_noise_m": 0}))
+        exact = answers("noiseless")
+        self.assertGreater(exact["rays"], 50000)
+        self.assertTrue(0.5 * exact["rays"] < exact["returns"] < 0.9 * exact["rays"], exact)
+        self.assertEqual(exact["other"], 0, exact)
+        # The noise of the sensor has other random numbers: the differences are those of two draws.
+        noisy = answers("model")
+        self.assertEqual((noisy["returns"], noisy["both"]), (exact["returns"], exact["returns"]))
+        self.assertGreater(noisy["other"], 0.9 * noisy["returns"])
+        self.assertLess(abs(noisy["rms_m"] / (math.sqrt(2) * noise_m) - 1), 0.05)
+        self.assertLess(noisy["farthest_m"], 6 * math.sqrt(2) * noise_m)
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--program", required=True)
     parser.add_argument("--library", required=True)
+    parser.add_argument("--tracer", required=True)
     arguments, rest = parser.parse_known_args()
-    cli_test.PROGRAM, LIBRARY = (str(pathlib.Path(p).resolve()) for p in (arguments.program, arguments.library))
+    cli_test.PROGRAM, LIBRARY, TRACER = (str(pathlib.Path(p).resolve())
+                                         for p in (arguments.program, arguments.library, arguments.tracer))
     unittest.main(argv=[sys.argv[0], *rest])

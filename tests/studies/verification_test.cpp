@@ -9,6 +9,7 @@
 #include "studies/analytic_scanner.hpp"
 #include "studies/mesh_fidelity.hpp"
 #include "studies/verification_checks.hpp"
+#include "studies/verification_study.hpp"
 #include "studies/verification_walls.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/elements/label_sets.hpp"

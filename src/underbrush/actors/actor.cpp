@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "underbrush/actors/actor_edits.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/mesh_file.hpp"
@@ -12,23 +11,6 @@
 namespace underbrush::actors {
 namespace fs = std::filesystem;
 namespace {
-
-std::vector<Actor> read_scene_of_actors(const fs::path& folder) {
-  elements::SceneInfo info;
-  elements::Scene scene = elements::read_scene(folder, &info);
-  std::vector<Actor> out;
-  for (size_t i = 0; i < scene.instances.size(); ++i) {
-    const auto mover = std::ranges::find(info.movers, i, &elements::Mover::instance);
-    if (mover == info.movers.end()) {
-      throw FormatError(folder.string(), "", "these are no actors: an instance does not move");
-    }
-    const uint32_t model = scene.instances[i].model;
-    out.push_back({info.names[model], elements::class_name(info, info.labels[i]),
-                   scene.models[model], mover->world_from_object, mover->from_s, mover->to_s,
-                   uint32_t(i)});
-  }
-  return out;
-}
 
 /// The extents of the box about the origin that has all elements of a model, up to a standard
 /// deviation from the middle of an ellipsoid.
@@ -120,8 +102,21 @@ perception::LogTruth truth_of(const std::vector<Actor>& actors, const LogInfo& l
   return perception::LogTruth(lists);
 }
 
-std::vector<Actor> read_actors(const fs::path& path) {
-  return fs::is_directory(path) ? read_scene_of_actors(path) : read_edited_actors(path);
+std::vector<Actor> read_actor_folder(const fs::path& folder) {
+  elements::SceneInfo info;
+  elements::Scene scene = elements::read_scene(folder, &info);
+  std::vector<Actor> out;
+  for (size_t i = 0; i < scene.instances.size(); ++i) {
+    const auto mover = std::ranges::find(info.movers, i, &elements::Mover::instance);
+    if (mover == info.movers.end()) {
+      throw FormatError(folder.string(), "", "these are no actors: an instance does not move");
+    }
+    const uint32_t model = scene.instances[i].model;
+    out.push_back({info.names[model], elements::class_name(info, info.labels[i]),
+                   scene.models[model], mover->world_from_object, mover->from_s, mover->to_s,
+                   uint32_t(i)});
+  }
+  return out;
 }
 
 }  // namespace underbrush::actors

@@ -37,9 +37,9 @@ elements::Model at_zero(elements::Model model);
 void write_actors(const std::filesystem::path& folder, const std::vector<Actor>& actors,
                   const std::string& provenance);
 
-/// Reads the folder of a scene, or a list of edits of one (`apply_edits`). Throws `FormatError`,
-/// also for a scene in which an instance does not move.
-std::vector<Actor> read_actors(const std::filesystem::path& path);
+/// Reads the folder of a scene. Throws `FormatError`, also for a scene in which an instance does
+/// not move.
+std::vector<Actor> read_actor_folder(const std::filesystem::path& folder);
 
 /// The distinct names of actors, in order.
 std::vector<std::string> names_of(const std::vector<Actor>& actors);

@@ -184,7 +184,8 @@ void apply_edits(std::vector<Actor>& actors, const std::string& edits, const fs:
   for (const io::JsonValue& edit : json.root().values()) apply(edit, actors);
 }
 
-std::vector<Actor> read_edited_actors(const fs::path& file) {
+std::vector<Actor> read_actors(const fs::path& file) {
+  if (fs::is_directory(file)) return read_actor_folder(file);
   const io::JsonFile json(file);
   const io::JsonValue j = json.manifest("underbrush-actor-edits", 1, "a list of edits of actors");
   j.check_members({"$schema", "format", "version", "comment", "actors", "edits"});
@@ -192,7 +193,7 @@ std::vector<Actor> read_edited_actors(const fs::path& file) {
   if (!fs::is_directory(folder)) j.at("actors").fail("there is no such folder");
   std::vector<Actor> actors;
   try {
-    actors = read_actors(folder);
+    actors = read_actor_folder(folder);
   } catch (const FormatError& e) {
     j.at("actors").fail(e.what());
   }

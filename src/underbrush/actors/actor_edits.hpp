@@ -36,9 +36,9 @@ void replace_model(std::vector<Actor>& actors, const std::string& name, elements
 /// name it `place`, from where paths are seen. Throws `FormatError`.
 void apply_edits(std::vector<Actor>& actors, const std::string& edits,
                  const std::filesystem::path& place);
-/// Reads a list of edits: JSON after the schema share/schemas/actor-edits.json, with the folder of
-/// the actors and the edits, which are applied in their order. Throws `FormatError` with the place
-/// of an edit that cannot be applied.
-std::vector<Actor> read_edited_actors(const std::filesystem::path& file);
+/// Reads actors: the folder of a scene (`read_actor_folder`), or a list of edits, JSON after the
+/// schema share/schemas/actor-edits.json, with the folder of the actors and the edits, which are
+/// applied in their order. Throws `FormatError`, with the place of an edit that cannot be applied.
+std::vector<Actor> read_actors(const std::filesystem::path& path);
 
 }  // namespace underbrush::actors

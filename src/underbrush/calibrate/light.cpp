@@ -7,6 +7,7 @@
 #include "underbrush/calibrate/light_response.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/credit/explaining.hpp"
+#include "underbrush/elements/element_light.hpp"
 #include "underbrush/trace/world.hpp"
 
 namespace underbrush::calibrate {

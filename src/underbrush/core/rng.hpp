@@ -16,7 +16,7 @@ enum class Purpose : uint32_t {
   kSplit,
   kPlace,
   kSignal,
-  kRecall,
+  kKeyframe,
   kUnknown
 };
 

@@ -7,10 +7,10 @@
 #include "underbrush/cluster/volumetric.hpp"
 #include "underbrush/core/tile_store.hpp"
 #include "underbrush/credit/hit_probability.hpp"
-#include "underbrush/ground/height_grid.hpp"
+#include "underbrush/ground/height_grid_options.hpp"
 #include "underbrush/ground/segment.hpp"
 #include "underbrush/ground/triangulate.hpp"
-#include "underbrush/keyframes/keyframes.hpp"
+#include "underbrush/keyframes/keyframe_options.hpp"
 #include "underbrush/likelihood/likelihood.hpp"
 #include "underbrush/surface/surface.hpp"
 

@@ -9,6 +9,8 @@
 #include "underbrush/credit/element_classes.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/fit/parameters.hpp"
+#include "underbrush/fit/part_options.hpp"
+#include "underbrush/keyframes/keyframes.hpp"
 
 namespace underbrush::fit {
 namespace {

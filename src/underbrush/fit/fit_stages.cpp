@@ -4,6 +4,7 @@
 #include "underbrush/core/still_beams.hpp"
 #include "underbrush/fit/fit_parts.hpp"
 #include "underbrush/fit/gather.hpp"
+#include "underbrush/fit/part_options.hpp"
 
 namespace underbrush::fit {
 
@@ -26,44 +27,46 @@ FitStart begin_fit(BeamSource& log, const FitOptions& options, const FitProgress
 
 likelihood::Refinement begin_refinement(const FitStart& start, const LogInfo& info,
                                         const FitOptions& options) {
-  const likelihood::LikelihoodOptions how = likelihood_options(options);
+  const likelihood::LikelihoodOptions refinement_options = likelihood_options(options);
   const likelihood::ListedBeams beams(info, start.held_out, start.training_beams);
-  return likelihood::Refiner(start.fitted.model, beams, how).begin();
+  return likelihood::Refiner(start.fitted.model, beams, refinement_options).begin();
 }
 
 likelihood::PassSums sum_of_rows(BeamSource& rows, const likelihood::Refinement& refinement,
                                  const FitOptions& options, const FitProgress& progress) {
-  const likelihood::LikelihoodOptions how = likelihood_options(options);
+  const likelihood::LikelihoodOptions refinement_options = likelihood_options(options);
   const elements::Model& model = refinement.best->model;
-  const auto share = refinement.wanted(how);
+  const auto share = refinement.wanted(refinement_options);
   if (!share) return {likelihood::ElementSums(model), {}, 0};
   FirstEchoes first(rows);
   CorrectedBeams corrected(first, model.channels);
   StillBeams still(corrected);
-  const likelihood::ListedBeams beams(still, how.held_out, model, likelihood::kListBytes);
+  const likelihood::ListedBeams beams(still, refinement_options.held_out, model,
+                                      likelihood::kListBytes);
   return likelihood::pass_over_training(refinement.best->world, beams, *share, refinement.soft,
                                         stage_of(progress, "sum"));
 }
 
 void take_step(likelihood::Refinement& refinement, likelihood::PassSums sums, const FitStart& start,
                const LogInfo& info, const FitOptions& options) {
-  const likelihood::LikelihoodOptions how = likelihood_options(options);
-  const auto share = refinement.wanted(how);
+  const likelihood::LikelihoodOptions refinement_options = likelihood_options(options);
+  const auto share = refinement.wanted(refinement_options);
   if (!share) return;
   const likelihood::ListedBeams beams(info, start.held_out, start.training_beams);
-  likelihood::Refiner(start.fitted.model, beams, how)
+  likelihood::Refiner(start.fitted.model, beams, refinement_options)
       .maximise(refinement, likelihood::expectation_of(std::move(sums), *share));
 }
 
 FitResult end_fit(BeamSource& log, FitStart start, likelihood::Refinement refinement,
                   const FitOptions& options) {
   const Fitter& fitter = checked_fitter(options);
-  const likelihood::LikelihoodOptions how = likelihood_options(options);
-  require(!refinement.wanted(how), "fit: the refinement is not at its end");
+  const likelihood::LikelihoodOptions refinement_options = likelihood_options(options);
+  require(!refinement.wanted(refinement_options), "fit: the refinement is not at its end");
   const likelihood::ListedBeams held_out(log.info(), std::move(start.held_out),
                                          start.training_beams);
   likelihood::Refined refined =
-      likelihood::Refiner(start.fitted.model, held_out, how).finish(std::move(refinement));
+      likelihood::Refiner(start.fitted.model, held_out, refinement_options)
+          .finish(std::move(refinement));
   FitResult out = std::move(start.fitted);
   const ChannelOffsets channels = out.model.channels;
   take_refined(std::move(refined), options, out);

@@ -4,7 +4,8 @@
 #pragma once
 #include <vector>
 
-#include "underbrush/fit/fit.hpp"
+#include "underbrush/fit/fit_options.hpp"
+#include "underbrush/fit/fit_result.hpp"
 
 namespace underbrush::fit {
 

@@ -5,8 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "underbrush/fit/fit.hpp"
-#include "underbrush/fit/parameters.hpp"
+#include "underbrush/core/beam_log.hpp"
+#include "underbrush/fit/fit_options.hpp"
+#include "underbrush/fit/fit_result.hpp"
 
 namespace underbrush::fit {
 
@@ -17,6 +18,7 @@ struct Fitter {
   std::vector<std::string_view> tuned;
   /// Groups of the parameters that also have an effect but that a search leaves alone.
   std::vector<std::string_view> fixed;
+  /// Null for a fitter that refines.
   FitResult (*fit)(BeamSource&, const FitOptions&, const FitProgress&);
   /// Whether it starts from the model of another fitter, `FitOptions::start`.
   bool refines = false;

@@ -8,7 +8,8 @@
 
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/tile_store.hpp"
-#include "underbrush/fit/fit.hpp"
+#include "underbrush/fit/fit_options.hpp"
+#include "underbrush/fit/fit_result.hpp"
 
 namespace underbrush::fit {
 

@@ -2,7 +2,10 @@
 /// This file declares the two ways to make a model from a log. The table of fitters names the
 /// functions that call them.
 #pragma once
-#include "underbrush/fit/fit.hpp"
+#include "underbrush/core/beam_log.hpp"
+#include "underbrush/fit/fit_options.hpp"
+#include "underbrush/fit/fit_result.hpp"
+#include "underbrush/surface/implicit.hpp"
 
 namespace underbrush::fit {
 

@@ -170,6 +170,11 @@ std::span<const Parameter> parameters() {
 }
 // clang-format on
 
+std::vector<std::string> fitter_names() {
+  const std::vector<std::string_view> words = fitter_words();
+  return {words.begin(), words.end()};
+}
+
 std::vector<FitterParameter> parameters_of(const FitOptions& options) {
   const Fitter& chosen = fitter_named(options.fitter);
   const Fitter& start = chosen.refines ? start_of(options) : chosen;

@@ -4,27 +4,15 @@
 #pragma once
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "underbrush/core/option.hpp"
 #include "underbrush/fit/fit_options.hpp"
+#include "underbrush/fit/parameter_groups.hpp"
 
 namespace underbrush::fit {
-
-/// The parts of a fit that parameters belong to: the groups of the table. Each fitter has the
-/// parameters of some of them.
-namespace group {
-inline constexpr std::string_view kCommon = "every fitter", kHierarchical = "hierarchical",
-                                  kVoxel = "voxel", kTopDown = "top_down", kBottomUp = "bottom_up",
-                                  kSurface = "surface, rimls", kGround = "ground",
-                                  kEllipsoids = "ellipsoids", kHitProbability = "hit probability",
-                                  kLikelihood = "likelihood";
-/// All of them, in the order of reference pages.
-inline constexpr std::string_view kAll[] = {kCommon,         kHierarchical, kVoxel,  kTopDown,
-                                            kBottomUp,       kSurface,      kGround, kEllipsoids,
-                                            kHitProbability, kLikelihood};
-}  // namespace group
 
 /// The scale on which a tuning range is walked.
 enum class Scale {
@@ -53,6 +41,9 @@ struct Parameter : Option<FitOptions> {
   Listed listed = Listed::kHelpAll;
   std::optional<TuningRange> tuning = std::nullopt;  ///< Empty for a parameter that is not tuned.
 };
+
+/// The names of the fitters, in the order of their table.
+std::vector<std::string> fitter_names();
 
 /// All parameters, in the order in which a search walks them.
 std::span<const Parameter> parameters();

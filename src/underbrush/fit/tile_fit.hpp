@@ -5,7 +5,8 @@
 #include <vector>
 
 #include "underbrush/core/tile_store.hpp"
-#include "underbrush/fit/fit.hpp"
+#include "underbrush/fit/fit_options.hpp"
+#include "underbrush/fit/fit_result.hpp"
 
 namespace underbrush::fit {
 

@@ -6,7 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "underbrush/fit/fit.hpp"
+#include "underbrush/fit/fit_options.hpp"
+#include "underbrush/fit/fit_result.hpp"
 
 namespace underbrush::fit {
 

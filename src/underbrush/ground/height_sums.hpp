@@ -5,7 +5,8 @@
 #include <map>
 #include <span>
 
-#include "underbrush/ground/height_grid.hpp"
+#include "underbrush/core/pose.hpp"
+#include "underbrush/ground/height_grid_options.hpp"
 #include "underbrush/ground/node_mask.hpp"
 
 namespace underbrush::ground {

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/io/ply_header.hpp"
 
 namespace underbrush::io {
 namespace {

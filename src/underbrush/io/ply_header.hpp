@@ -28,6 +28,10 @@ ExtraColumn column_of(ValueType type);
 inline size_t length_of(const ExtraColumn& column) {
   return std::visit([](const auto& c) { return c.size(); }, column);
 }
+/// Converts a column to doubles.
+inline std::vector<double> doubles_of(const ExtraColumn& column) {
+  return std::visit([](const auto& c) { return std::vector<double>(c.begin(), c.end()); }, column);
+}
 /// Returns the PLY name of a type ("uchar", "double", …).
 const char* ply_name(ValueType type);
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "underbrush/io/table.hpp"
+#include "underbrush/core/beam_log.hpp"
 
 namespace underbrush::io {
 

@@ -54,13 +54,13 @@ constexpr const char* kEmptyScans = "empty scans: files without a point";
 class ScanFolder : public ScanSource {
  public:
   ScanFolder(std::vector<ScanFile> files, std::vector<ScanInfo> infos, Trajectory trajectory,
-             const ScanPlacing& how, double period_s)
+             const ScanPlacing& placing, double period_s)
       : files_(std::move(files)),
         infos_(std::move(infos)),
         trajectory_(std::move(trajectory)),
-        columns_(how.columns),
-        points_in_world_(how.points_in_world),
-        unit_m_(how.unit_m),
+        columns_(placing.columns),
+        points_in_world_(placing.points_in_world),
+        unit_m_(placing.unit_m),
         times_(period_s) {}
 
   size_t size() const override { return files_.size(); }

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "underbrush/io/input.hpp"
+#include "underbrush/io/open_log.hpp"
 #include "underbrush/io/poses.hpp"
 #include "underbrush/io/table.hpp"
 

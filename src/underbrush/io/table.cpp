@@ -5,7 +5,6 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
-#include "underbrush/io/input.hpp"
 #include "underbrush/io/ply.hpp"
 #include "underbrush/io/ply_header.hpp"
 #include "underbrush/io/point_times.hpp"
@@ -106,6 +105,10 @@ void fill_rings(Table& table, PointScan& scan) {
   take(table, kNames);
 }
 
+bool has_extension(const std::filesystem::path& path, std::initializer_list<const char*> known) {
+  return std::ranges::find(known, lower(path.extension().string())) != known.end();
+}
+
 }  // namespace
 
 size_t Table::size() const { return columns.empty() ? 0 : length_of(columns[0].second); }
@@ -126,24 +129,12 @@ std::string Table::name_of(const std::vector<std::string>& names) const {
   return "";
 }
 
-std::vector<double> doubles_of(const ExtraColumn& column) {
-  return std::visit([](const auto& c) { return std::vector<double>(c.begin(), c.end()); }, column);
-}
-
 bool is_table_file(const std::filesystem::path& path) {
-  const std::string ext = lower(path.extension().string());
-  for (const char* known : {".ply", ".pcd", ".bin", ".npy", ".npz", ".csv", ".txt", ".xyz"}) {
-    if (ext == known) return true;
-  }
-  return false;
+  return has_extension(path, {".ply", ".pcd", ".bin", ".npy", ".npz", ".csv", ".txt", ".xyz"});
 }
 
 bool is_recording(const std::filesystem::path& path) {
-  const std::string ext = lower(path.extension().string());
-  for (const char* known : {".bag", ".db3", ".mcap", ".las", ".laz", ".pcap", ".pcapng", ".e57"}) {
-    if (ext == known) return true;
-  }
-  return false;
+  return has_extension(path, {".bag", ".db3", ".mcap", ".las", ".laz", ".pcap", ".pcapng", ".e57"});
 }
 
 Table read_table(const std::filesystem::path& path, const std::vector<std::string>& names) {

@@ -26,9 +26,6 @@ struct Table {
   std::string name_of(const std::vector<std::string>& names) const;
 };
 
-/// Converts a column to doubles.
-std::vector<double> doubles_of(const ExtraColumn& column);
-
 /// Reads a PCD file (ascii, binary or binary_compressed). A field with COUNT n > 1 becomes the
 /// columns NAME_0 … NAME_n−1. This and the other readers throw `FormatError` for anything that is
 /// not a whole file of their format.
@@ -58,6 +55,13 @@ bool is_recording(const std::filesystem::path& path);
 inline constexpr const char* kRecording =
     "is a recording, which the Python package of Underbrush reads: pip install "
     "'underbrush[formats]', whose command takes it";
+
+/// The reason for which points are skipped that are nowhere near the sensor.
+inline constexpr const char* kFarFromSensor = "farther than 1000 km from the sensor";
+/// What is asked where the points seem to be those of a world.
+inline constexpr const char* kWorldCoordinates =
+    "are its coordinates those of the world? Then --poses must say where the sensor stood, and "
+    "--points-in-world";
 
 class PointTimes;
 

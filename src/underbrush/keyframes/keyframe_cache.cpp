@@ -218,7 +218,7 @@ std::optional<CachedReturn> KeyframeCache::drawn(const CachedPixels& r, double u
     size_t s = 0;
     while (s + 1 < t.scale.size() && part >= t.scale[s]) part -= t.scale[s++];
     CachedReturn out = return_of(r, k);
-    out.range_m += t.sigma_m[s] * normal(noise, 0, Purpose::kRecall);
+    out.range_m += t.sigma_m[s] * normal(noise, 0, Purpose::kKeyframe);
     return out;
   }
   return {};

@@ -3,7 +3,8 @@
 #pragma once
 #include <vector>
 
-#include "underbrush/keyframes/keyframes.hpp"
+#include "underbrush/core/pose.hpp"
+#include "underbrush/keyframes/keyframe_options.hpp"
 
 namespace underbrush::keyframes {
 

@@ -3,8 +3,9 @@
 #pragma once
 #include <map>
 
+#include "underbrush/core/beam_log.hpp"
 #include "underbrush/elements/keyframes.hpp"
-#include "underbrush/keyframes/keyframes.hpp"
+#include "underbrush/keyframes/keyframe_options.hpp"
 
 namespace underbrush::keyframes {
 

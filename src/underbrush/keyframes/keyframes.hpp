@@ -2,29 +2,12 @@
 /// Keyframes of a log: some of its scans, kept as range images, and how far they are to be trusted.
 #pragma once
 #include "underbrush/core/beam_log.hpp"
-#include "underbrush/credit/held_out.hpp"
 #include "underbrush/elements/model.hpp"
+#include "underbrush/keyframes/keyframe_options.hpp"
 
 namespace underbrush {
 /// Keyframes: images of a few scans that a model keeps, which answer beams fired near them.
 namespace keyframes {
-
-/// The options of `learn_keyframes`.
-struct KeyframeOptions {
-  /// m; a scan becomes a keyframe where fewer than 16 keyframes lie nearer. 0 = no keyframes.
-  double spacing_m = 2;
-  /// Returns nearer than this (m) are unknown, because they are of the vehicle.
-  double min_range_m = 0;
-  /// The most memory that they may take, bytes. Until they fit, fewer may lie nearer, at least 2,
-  /// and then the spacing grows.
-  size_t most_bytes = size_t(1) << 28;
-  /// Beams that the trust is learnt from, in each half of the columns if the log has one scan.
-  size_t samples = 60'000;
-  /// The beams from which the elements were not learnt. The trust is learnt from these beams alone
-  /// if they are at least a quarter of `samples`, because the elements fit their training beams too
-  /// well.
-  credit::HeldOut held_out{0};
-};
 
 /// Keeps keyframes of a log in its model. The trust in each situation (`elements::KeyframeTrust`)
 /// is learnt by expectation and maximisation from beams of the log: each beam is looked up in

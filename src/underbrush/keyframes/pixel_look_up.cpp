@@ -62,11 +62,11 @@ struct View {
 };
 
 /// The x of pixels, and their end points relative to some points, m.
-struct Ends {
+struct EndPoints {
   I x;
   Vectors to;
 
-  UNDERBRUSH_INLINE Ends(const View& v, I pixel, const Vectors& from) {
+  UNDERBRUSH_INLINE EndPoints(const View& v, I pixel, const Vectors& from) {
     const I first = at(v.words(), 2 * pixel), second = at(v.words() + 1, 2 * pixel);
     const float unit = v.grid.unit_m;
     x = (first << 16) >> 16;
@@ -174,7 +174,7 @@ UNDERBRUSH_INLINE void look(const View& v, F t, I column, Window& out) {
   }
   for (int32_t k = 0; k < int32_t(kPixels); ++k) {
     const I pixel = rows[k / 3] + columns[k % 3];
-    const Ends end(v, pixel, from);
+    const EndPoints end(v, pixel, from);
     const Vectors& e = end.to;
     const F a = e.y * to.z - e.z * to.y, b = e.z * to.x - e.x * to.z;
     const F c = e.x * to.y - e.y * to.x;
@@ -202,7 +202,7 @@ UNDERBRUSH_INLINE I take_nearest(Window& w) {
 
 /// Finds where beams are nearest to the points of pixels, m.
 UNDERBRUSH_INLINE F ranges_of(const View& v, I pixel) {
-  const Ends end(v, pick(pixel < 0, I{}, pixel), v.from);
+  const EndPoints end(v, pick(pixel < 0, I{}, pixel), v.from);
   const F along = end.to.x * v.direction.x + end.to.y * v.direction.y + end.to.z * v.direction.z;
   return pick(end.x > KeyframePixel::kNoReturn, greater(along, all(PixelLookUp::kLeastRangeM)),
               all(kFarM));

@@ -244,12 +244,12 @@ ElementSums held_out_sums(const trace::World& world, const ListedBeams& beams,
   return sums;
 }
 
-double judge(const trace::World& world, const ListedBeams& beams) {
+double validation_nll(const trace::World& world, const ListedBeams& beams) {
   const LogInfo& info = beams.info();
   const ModelForms forms(world.model(), info.min_range_m);
-  const std::vector<ListedBeam>& judges = beams.judges();
-  const PassTotals totals = pass_over(world, forms.view(), info, judges, nullptr, nullptr);
-  return totals.loss.value() / std::max<double>(1, double(judges.size()));
+  const std::vector<ListedBeam>& validation = beams.validation();
+  const PassTotals totals = pass_over(world, forms.view(), info, validation, nullptr, nullptr);
+  return totals.loss.value() / std::max<double>(1, double(validation.size()));
 }
 
 }  // namespace underbrush::likelihood

@@ -84,8 +84,8 @@ Expectation expect(const trace::World& world, const ListedBeams& beams, credit::
 ElementSums held_out_sums(const trace::World& world, const ListedBeams& beams,
                           const trace::OutlierShares& soft);
 
-/// Computes the mean of −log f of a log's judges (`ListedBeams::judges`) in a world of one model,
-/// nats, as in `metrics::score`.
-double judge(const trace::World& world, const ListedBeams& beams);
+/// Computes the mean of −log f of the validation beams of a log (`ListedBeams::validation`) in a
+/// world of one model, nats, as in `metrics::score`.
+double validation_nll(const trace::World& world, const ListedBeams& beams);
 
 }  // namespace underbrush::likelihood

@@ -61,7 +61,7 @@ struct Refiner::State {
   /// Takes a model for the best one if it explains the held-out beams better.
   bool accept(const char* name, elements::Model model, Refinement& r) const {
     auto trial = std::make_shared<TracedModel>(std::move(model));
-    const double nll = judge(trial->world, beams);
+    const double nll = validation_nll(trial->world, beams);
     const bool better = nll < r.held_out_nll - options.least_gain;
     note(name, trial->model, nll, better, r.report);
     if (!better) return false;
@@ -86,7 +86,7 @@ Refinement Refiner::begin() {
   Refinement r;
   r.best = std::make_shared<TracedModel>(
       with_densities(s.start, s.options.range_noise_m, s.options.maximisation));
-  r.held_out_nll = judge(r.best->world, s.beams);
+  r.held_out_nll = validation_nll(r.best->world, s.beams);
   r.soft.miss = s.options.dropout;
   note("start", r.best->model, r.held_out_nll, true, r.report);
   r.report.training_beams = s.beams.training_beams();

@@ -13,7 +13,7 @@ namespace {
 /// Elements beyond a return count if their closest approach lies up to this much farther, because
 /// their Gaussians reach back to the return, m.
 constexpr double kBeyondM = 4;
-constexpr size_t kMostJudges = size_t(1) << 16;  // about
+constexpr size_t kMostValidationBeams = size_t(1) << 16;  // about
 
 /// A hash of a beam, whatever its place in the log.
 uint64_t hash_of(const ListedBeam& b) {
@@ -42,19 +42,19 @@ ListedBeams::ListedBeams(BeamSource& source, const credit::HeldOut& held_out,
     complete_ &= bytes <= most_bytes;
     if (complete_) kept_.push_back(std::move(block));
   }
-  choose_judges();
+  choose_validation();
 }
 
 ListedBeams::ListedBeams(const LogInfo& info, std::vector<ListedBeam> held_out,
                          size_t training_beams)
     : info_(info), held_out_(std::move(held_out)), training_beams_(training_beams) {
-  choose_judges();
+  choose_validation();
 }
 
-void ListedBeams::choose_judges() {
-  const size_t one_in = 1 + held_out_.size() / kMostJudges;
+void ListedBeams::choose_validation() {
+  const size_t one_in = 1 + held_out_.size() / kMostValidationBeams;
   if (one_in == 1) return;
-  std::copy_if(held_out_.begin(), held_out_.end(), std::back_inserter(judges_),
+  std::copy_if(held_out_.begin(), held_out_.end(), std::back_inserter(validation_),
                [&](const ListedBeam& b) { return hash_of(b) % one_in == 0; });
 }
 

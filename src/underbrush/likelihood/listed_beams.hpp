@@ -28,7 +28,9 @@ class ListedBeams {
   const LogInfo& info() const { return info_; }
   const std::vector<ListedBeam>& held_out() const { return held_out_; }
   /// The held-out beams by which models are compared: of many about 2¹⁶, chosen by a hash.
-  const std::vector<ListedBeam>& judges() const { return judges_.empty() ? held_out_ : judges_; }
+  const std::vector<ListedBeam>& validation() const {
+    return validation_.empty() ? held_out_ : validation_;
+  }
   /// How many of the held-out beams returned.
   size_t held_out_hits() const;
   size_t training_beams() const { return training_beams_; }
@@ -45,7 +47,7 @@ class ListedBeams {
   /// Appends beams of a chunk, those that are held out to `held_out` unless it is null.
   Block block_of(const BeamLog& chunk, std::vector<ListedBeam>* held_out) const;
 
-  void choose_judges();
+  void choose_validation();
 
   BeamSource* source_ = nullptr;
   LogInfo info_;
@@ -54,7 +56,7 @@ class ListedBeams {
   double most_range_m_ = 0;
   std::vector<Block> kept_;  ///< The first blocks of training beams.
   std::vector<ListedBeam> held_out_;
-  std::vector<ListedBeam> judges_;  ///< Empty if all held-out beams are.
+  std::vector<ListedBeam> validation_;  ///< Empty if all held-out beams are.
   size_t training_beams_ = 0;
   bool complete_ = true;  ///< Whether `kept_` has all blocks.
 };

@@ -1,7 +1,8 @@
 /// \file
 /// The function of the library that carries the service, which `serve` loads.
 #pragma once
-#include "underbrush/live/server.hpp"
+#include "underbrush/live/server_options.hpp"
+#include "underbrush/live/service.hpp"
 
 namespace underbrush::live {
 

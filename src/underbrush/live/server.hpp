@@ -2,28 +2,10 @@
 /// The sensor server: a service on a port. gRPC is linked in a separate library, which is loaded
 /// only when a server starts, so that other verbs start fast and need no gRPC.
 #pragma once
-#include <filesystem>
-#include <functional>
-#include <string>
-
+#include "underbrush/live/server_options.hpp"
 #include "underbrush/live/service.hpp"
 
 namespace underbrush::live {
-
-/// Options of a server.
-struct ServerOptions {
-  /// HOST:PORT, of which port 0 is a free one, or unix:PATH. Who can reach it and has the token can
-  /// fire; nothing is encrypted, so any host but this machine's own is for networks that are safe.
-  std::string address = "127.0.0.1:0";
-  std::string token;    ///< Clients name it.
-  std::string version;  ///< The program's version.
-  int calls = 4;        ///< Number of calls that run or wait at a time; more are refused.
-  size_t request_bytes = 1 << 20;
-  double deadline_s = 60;  ///< The longest that a call may take.
-};
-
-/// Called with the address once clients can connect.
-using ServerStarted = std::function<void(const std::string& address)>;
 
 /// Answers clients over gRPC (share/live/sensor_server.proto) until the process ends. Throws
 /// `IoError` where the address cannot be taken, or the library that carries the service is missing.

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "underbrush/credit/explaining.hpp"
+#include "underbrush/elements/element_light.hpp"
 
 namespace underbrush::metrics {
 namespace {

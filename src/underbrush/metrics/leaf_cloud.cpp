@@ -8,6 +8,7 @@
 #include "underbrush/elements/label_sets.hpp"
 #include "underbrush/ground/ground_flags.hpp"
 #include "underbrush/io/input.hpp"
+#include "underbrush/io/ply_header.hpp"
 #include "underbrush/io/table.hpp"
 
 namespace underbrush::metrics {

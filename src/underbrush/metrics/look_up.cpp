@@ -234,16 +234,16 @@ void look_up_raw(const BeamLog& train, const Scan& from, const Scan& to, BeamLog
 
 }  // namespace
 
-BeamLog looked_up(const BeamLog& train, const BeamLog& test, LookUp how) {
+BeamLog looked_up(const BeamLog& train, const BeamLog& test, LookUp kind) {
   const std::map<uint32_t, Scan> from = scans_of(train), to = scans_of(test);
   const double half_beam = 0.5 * std::min(ring_spacing(test, to), beam_spacing(test, to));
   BeamLog out = test;
   std::fill(out.range_m.begin(), out.range_m.end(), kMiss);
   std::fill(out.intensity.begin(), out.intensity.end(), 0.f);
   for (const auto& [number, scan] : to) {
-    const auto scans = nearest_scans(from, scan, how == LookUp::kWarped2 ? 2 : 1);
+    const auto scans = nearest_scans(from, scan, kind == LookUp::kWarped2 ? 2 : 1);
     if (scans.empty()) continue;
-    if (how == LookUp::kRaw) {
+    if (kind == LookUp::kRaw) {
       look_up_raw(train, *scans[0], scan, out);
       continue;
     }

@@ -22,6 +22,6 @@ enum class LookUp {
 /// beams of a ring), the nearest of them in range answers. A training beam that missed has no end
 /// point: it keeps its direction, and where it is the nearest in angle, and no end point lies
 /// within half a beam, the answer is a miss. Intensities are those of the training beams.
-BeamLog looked_up(const BeamLog& train, const BeamLog& test, LookUp how);
+BeamLog looked_up(const BeamLog& train, const BeamLog& test, LookUp kind);
 
 }  // namespace underbrush::metrics

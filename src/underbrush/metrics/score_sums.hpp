@@ -1,9 +1,10 @@
 /// \file
 /// The sums from which the scores of a set of beams are made. This file is internal to the module.
 #pragma once
+#include <cstdint>
 #include <vector>
 
-#include "underbrush/metrics/score.hpp"
+#include "underbrush/metrics/summary.hpp"
 
 namespace underbrush::metrics {
 

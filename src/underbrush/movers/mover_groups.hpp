@@ -3,7 +3,7 @@
 #pragma once
 #include <vector>
 
-#include "underbrush/movers/find_movers.hpp"
+#include "underbrush/movers/mover_options.hpp"
 #include "underbrush/movers/scan_image.hpp"
 
 namespace underbrush::movers {

@@ -1,4 +1,4 @@
-#include "underbrush/movers/find_movers.hpp"
+#include "underbrush/movers/mover_options.hpp"
 
 namespace underbrush::movers {
 

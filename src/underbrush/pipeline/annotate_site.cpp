@@ -22,20 +22,20 @@ test_site::TerrainParameters terrain_of(const AnnotateOptions& o) {
 Eigen::Vector2d size_of(const AnnotateOptions& o) { return {o.size_m.at(0), o.size_m.at(1)}; }
 
 /// Draws a site like that of an annotation, on a ground like its own unless there is one.
-void add_site_like(const AnnotateOptions& o, const sites::DrawOptions& how, AnnotatedSite& out) {
+void add_site_like(const AnnotateOptions& o, const sites::DrawOptions& draw, AnnotatedSite& out) {
   require(o.site.density == 0, "annotate: --like takes the densities of the site, so no --density");
   const primitives::Annotation site = primitives::read_annotation(o.like);
   const elements::Model ground = read_ground(site.ground);
   out.inputs.insert(out.inputs.end(), {o.like, site.ground});
   try {
     const sites::SiteModel learnt = sites::fit_site(primitives::GroundSurface(ground), site.objects,
-                                                    o.measure.cell_m, how.seed);
+                                                    o.measure.cell_m, draw.seed);
     if (out.has_own_ground) {
-      out.ground = sites::ground_like(ground, size_of(o), o.ground_spacing_m, how.seed);
+      out.ground = sites::ground_like(ground, size_of(o), o.ground_spacing_m, draw.seed);
     }
-    out.drawn = sites::draw_site(learnt, primitives::GroundSurface(out.ground), how);
+    out.drawn = sites::draw_site(learnt, primitives::GroundSurface(out.ground), draw);
     if (o.draws > 1) {
-      out.statistics = sites::compare_with_draws(learnt, ground, site.objects, o.draws, how.seed);
+      out.statistics = sites::compare_with_draws(learnt, ground, site.objects, o.draws, draw.seed);
     }
   } catch (const DataError& e) {
     throw FormatError(o.like, "", e.what());

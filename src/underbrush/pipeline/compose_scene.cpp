@@ -33,7 +33,7 @@ void require_all_placed(const std::string& annotation, const std::string& primit
   }
 }
 
-primitives::ComposeOptions how_of(const ComposeOptions& o) {
+primitives::ComposeOptions placement_of(const ComposeOptions& o) {
   check_options("compose", compose_options(), o);
   return {o.seed, choice_of(o.choose), o.nearest, o.scale,
           primitives::densities_of(o.class_density)};
@@ -108,7 +108,7 @@ ComposedScene compose_scene(const std::string& annotation, NamedSet primitives,
                             const ComposeOptions& options,
                             const primitives::ComposeProgress& progress) {
   const auto start = std::chrono::steady_clock::now();
-  const primitives::ComposeOptions how = how_of(options);
+  const primitives::ComposeOptions placement = placement_of(options);
   const primitives::Annotation site =
       primitives::read_annotation(annotation, options.allow_outside);
   ComposedScene out = begun(annotation, primitives, options);
@@ -121,7 +121,7 @@ ComposedScene compose_scene(const std::string& annotation, NamedSet primitives,
     ground = &read;
   }
   require_data(ground->ground.size() > 0, "compose: the model has no ground");
-  out.composition = primitives::compose(site, *ground, primitives.set, how, progress);
+  out.composition = primitives::compose(site, *ground, primitives.set, placement, progress);
   if (options.strict) require_all_placed(annotation, primitives.name, out.composition);
   out.seconds = composing_s(start);
   return out;
@@ -133,13 +133,13 @@ ComposedScene compose_parts(
     const std::function<std::string(const std::vector<fs::path>&)>& provenance,
     const primitives::ComposeProgress& progress) {
   const auto start = std::chrono::steady_clock::now();
-  const primitives::ComposeOptions how = how_of(options);
+  const primitives::ComposeOptions placement = placement_of(options);
   ComposedScene out = begun(site, primitives, options);
   const auto accept = [&](const primitives::Composition& c) {
     if (options.strict) require_all_placed(site, primitives.name, c);
   };
   out.composition =
-      regions::compose_world(output, regions::read_site(site), primitives.set, how,
+      regions::compose_world(output, regions::read_site(site), primitives.set, placement,
                              options.allow_outside, provenance(out.inputs), accept, progress);
   out.seconds = composing_s(start);
   return out;

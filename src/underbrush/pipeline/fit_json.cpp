@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "underbrush/elements/element_light.hpp"
+#include "underbrush/fit/refinement_json.inl"
 #include "underbrush/io/json_text.inl"
 
 namespace underbrush::pipeline {
@@ -52,21 +54,6 @@ Json json_of_beams(const elements::Model& model, const Report& r) {
 }
 
 }  // namespace
-
-Json json_of(const likelihood::LikelihoodReport& report) {
-  Json j;
-  j["training_beams"] = report.training_beams;
-  j["held_out_beams"] = report.held_out_beams;
-  j["stray_hits"] = report.stray_hits;
-  for (const likelihood::LikelihoodStep& s : report.steps) {
-    Json step = {{"name", s.name}, {"elements", s.elements}};
-    if (s.training_nll) step["training_nll"] = *s.training_nll;
-    step["held_out_nll"] = s.held_out_nll;
-    step["accepted"] = s.accepted;
-    j["steps"].push_back(std::move(step));
-  }
-  return j;
-}
 
 Json json_of(const ChannelOffsets& channels) {
   const OffsetSpread spread = spread_of(channels);
@@ -168,7 +155,7 @@ Json json_of(const FittedModel& fitted, const SkippedRows& skipped) {
   }
   j["skipped"] = skipped;
   j["warnings"] = r.warnings;
-  if (!r.likelihood.steps.empty()) j["likelihood"] = json_of(r.likelihood);
+  if (!r.likelihood.steps.empty()) j["likelihood"] = fit::json_of(r.likelihood);
   j["seconds"] = fitted.seconds;
   j["beams_per_s"] = double(r.beams) / fitted.seconds;
   return j;

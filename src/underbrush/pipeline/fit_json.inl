@@ -8,8 +8,6 @@
 
 namespace underbrush::pipeline {
 
-/// Returns the steps of a refinement, for the manifest and for reports.
-nlohmann::ordered_json json_of(const likelihood::LikelihoodReport& report);
 /// Returns the number of range offsets, their spread and that of their standard errors.
 nlohmann::ordered_json json_of(const ChannelOffsets& channels);
 /// Returns the size of the keyframes, and at which distances how much of an answer is theirs.

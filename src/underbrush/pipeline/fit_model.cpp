@@ -7,8 +7,8 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/fit/fitters.hpp"
+#include "underbrush/fit/refinement_json.inl"
 #include "underbrush/io/json_text.inl"
-#include "underbrush/pipeline/fit_json.inl"
 
 namespace underbrush::pipeline {
 namespace fs = std::filesystem;
@@ -33,7 +33,7 @@ class Origin {
     return {file.string(), hash_of(file), open_log(file, all_echoes)->size()};
   }
   void add(const likelihood::LikelihoodReport& refinement) {
-    if (!refinement.steps.empty()) json_["likelihood"] = json_of(refinement);
+    if (!refinement.steps.empty()) json_["likelihood"] = fit::json_of(refinement);
   }
   std::string text() const { return io::text_of_json(json_); }
 
@@ -198,7 +198,7 @@ UpdatedModel update_model(TrainedModel known, const FitLog& log, const UpdateLog
   before.model = std::move(known.model);
   before.record = std::move(training.record);
   update::UpdateResult grown = on_log(log, [&] {
-    return update::update(std::move(before), earlier, log.beams, training.options, options.how,
+    return update::update(std::move(before), earlier, log.beams, training.options, options,
                           progress);
   });
   UpdatedModel out;

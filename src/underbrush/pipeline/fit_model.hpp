@@ -65,8 +65,7 @@ FittedModel completed(fit::FitResult fitted, const FitLog& log, const fit::FitOp
                       const Provenance& provenance);
 
 /// Options of `update_model`.
-struct UpdateLogOptions {
-  update::UpdateOptions how;
+struct UpdateLogOptions : update::UpdateOptions {
   /// The folder where the earlier logs of the model are now; empty: where they were.
   std::filesystem::path logs;
 };

@@ -263,10 +263,10 @@ std::string warning_of_overlap(ScanSource& scans, const std::vector<ScanInfo>& i
   for (const auto& [a, b] : pairs) {
     const std::vector<Vec3> from = upper_points(scans.read(a)), to = upper_points(scans.read(b));
     for (size_t k = 0; k < kReadings.size(); ++k) {
-      const auto& how = kReadings[k].pose;
-      fit[k] +=
-          overlap(from, how(infos[a].world_from_sensor), to, how(infos[b].world_from_sensor)) /
-          double(pairs.size());
+      const auto& pose_of = kReadings[k].pose;
+      fit[k] += overlap(from, pose_of(infos[a].world_from_sensor), to,
+                        pose_of(infos[b].world_from_sensor)) /
+                double(pairs.size());
     }
   }
   const size_t best = size_t(std::max_element(fit.begin(), fit.end()) - fit.begin());

@@ -6,6 +6,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/input.hpp"
+#include "underbrush/io/table.hpp"
 #include "underbrush/io/text.hpp"
 #include "underbrush/pipeline/import_checks.hpp"
 #include "underbrush/pipeline/row_filter.hpp"
@@ -227,20 +228,20 @@ ImportReport import_log(const std::filesystem::path& source, const ImportOptions
                         const std::function<void(const LogInfo&)>& begin, const Write& write,
                         const Progress& progress) {
   check_options("import", import_options(), options);
-  const io::InputOptions how = input_options(options);
+  const io::InputOptions reading = input_options(options);
   const RowFilter keep(source.string(), options.keep);
-  io::Input input = io::open_input(source, how);
+  io::Input input = io::open_input(source, reading);
   ImportReport report;
   if (input.beams) {
-    begin(info_of_beams(options, input, how.frames));
-    import_beams(keep, input, options.frames.empty() ? nullptr : &how.frames, write, progress,
+    begin(info_of_beams(options, input, reading.frames));
+    import_beams(keep, input, options.frames.empty() ? nullptr : &reading.frames, write, progress,
                  report);
   } else {
     const sensor::BeamOptions beams = beam_options(options, input);
     begin(info_of_scans(options, input, beams));
     report.warnings = warnings_of_poses(input.scan_infos);
     if (report.warnings.empty() && input.scan_infos.size() > 1) {
-      const io::Input again = io::open_input(source, how);  // What it skips is counted once.
+      const io::Input again = io::open_input(source, reading);  // What it skips is counted once.
       const std::string overlap = warning_of_overlap(*again.scans, input.scan_infos);
       if (!overlap.empty()) report.warnings.push_back(overlap);
     }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "underbrush/actors/actor.hpp"
+#include "underbrush/actors/actor_edits.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/osi/list_file.hpp"

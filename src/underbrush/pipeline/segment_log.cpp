@@ -108,9 +108,9 @@ Segmentation segment_log(BeamSource& log, const SegmentOptions& options,
   check_options("segment", segment_options(), options);
   Segmentation out;
   if (!options.labels.empty()) {
-    primitives::GivenLabelOptions how;
-    how.set = options.label_set;
-    out.given = primitives::read_given_labels(options.labels, log, how);
+    primitives::GivenLabelOptions label_options;
+    label_options.set = options.label_set;
+    out.given = primitives::read_given_labels(options.labels, log, label_options);
   }
   // Labels of our own set with instances need no search.
   const bool whole = out.given && out.given->set == "underbrush" && !out.given->label.empty() &&

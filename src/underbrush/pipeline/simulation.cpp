@@ -112,7 +112,7 @@ class Simulation::OfSensor {
  public:
   OfSensor(const TracedWorld& world, const SimulateOptions& options, const SensorOf& sensor_of)
       : world_(world),
-        may_recall_(options.keyframes),
+        keyframes_allowed_(options.keyframes),
         adds_support_(options.support),
         thin_(thin_rays(options, world)),
         on_waveforms_(options.on_waveforms) {
@@ -165,7 +165,7 @@ class Simulation::OfSensor {
   }
 
   void recognise(BeamSource& log) {
-    thin_.keyframes = may_recall_;
+    thin_.keyframes = keyframes_allowed_;
     if (!keyframes_serve(log.info())) return;
     thin_.keyframes = keyframes::KeyframeCache::serves(world_.dynamic().model(0), log);
   }
@@ -191,7 +191,7 @@ class Simulation::OfSensor {
 
  private:
   const TracedWorld& world_;
-  const bool may_recall_;  ///< By the options.
+  const bool keyframes_allowed_;  ///< By the options.
   const bool adds_support_;
   simulate::Options thin_;
   std::function<void(std::vector<simulate::BeamWaveform>)> on_waveforms_;
@@ -240,7 +240,7 @@ void Simulation::use(const TracedWorld& world) {
     if (!answers_.empty()) own.on_waveforms = nullptr;
     answers_.push_back(std::make_unique<OfSensor>(world, own, sensor_of));
   }
-  answers_[0]->keyframes() &= recalls_;
+  answers_[0]->keyframes() &= uses_keyframes_;
 }
 
 Simulation::Simulation(Simulation&&) noexcept = default;
@@ -259,7 +259,7 @@ const sensor::Sensor& Simulation::sensor() const { return answers_[0]->sensor();
 void Simulation::recognise(BeamSource& log) {
   if (rig_) return;
   answers_[0]->recognise(log);
-  recalls_ = answers_[0]->keyframes();
+  uses_keyframes_ = answers_[0]->keyframes();
 }
 
 bool Simulation::keyframes_serve(const LogInfo& beams) const {

@@ -76,7 +76,7 @@ class Simulation {
   std::vector<SensorOf> sensor_of_;  ///< One for each sensor.
   std::unique_ptr<regions::OpenRegions> open_;
   std::unique_ptr<TracedWorld> part_;  ///< The part of a world of regions that is open.
-  bool recalls_ = true;                ///< Whether keyframes may answer, by `recognise`.
+  bool uses_keyframes_ = true;         ///< Whether keyframes may answer, by `recognise`.
   size_t rays_before_ = 0;             ///< Traced in other parts.
   bool rig_ = false;
   std::vector<LogInfo> limits_;  ///< The limits of each sensor of a rig.

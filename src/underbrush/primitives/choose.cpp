@@ -28,8 +28,8 @@ double matter_difference(const BoxBeams& a, const BoxBeams& b) {
 
 }  // namespace
 
-Chooser::Chooser(const PrimitiveSet& set, Choice how, size_t nearest)
-    : set_(set), how_(how), nearest_(nearest) {
+Chooser::Chooser(const PrimitiveSet& set, Choice choice, size_t nearest)
+    : set_(set), choice_(choice), nearest_(nearest) {
   for (uint32_t k = 0; k < set.entries.size(); ++k) by_class_[set.entries[k].label].push_back(k);
 }
 
@@ -48,7 +48,7 @@ const std::vector<uint32_t>& Chooser::candidates(Class c) {
 double Chooser::cost(uint32_t entry, const PlacedObject& o) const {
   const PrimitiveEntry& e = set_.entries[entry];
   const double box_m = (e.box.size() - o.box.size()).norm();
-  if (how_ != Choice::kBest) return box_m;
+  if (choice_ != Choice::kBest) return box_m;
   if (!can_adapt(e, o)) return box_m;
   double sum = 0;
   for (size_t q = 0; q < o.quantiles.size(); ++q) {
@@ -77,11 +77,11 @@ void Chooser::forget_below(double y_m) {
 
 uint32_t Chooser::choose(const std::vector<uint32_t>& from, const PlacedObject& o, double draw) {
   const auto drawn = [&](size_t n) { return std::min(n - 1, size_t(double(n) * draw)); };
-  if (how_ == Choice::kRandom) return from[drawn(from.size())];
+  if (choice_ == Choice::kRandom) return from[drawn(from.size())];
   order_.clear();
   for (const uint32_t k : from) order_.emplace_back(cost(k, o), k);
   const auto begin = order_.begin();
-  if (how_ == Choice::kBox) {
+  if (choice_ == Choice::kBox) {
     const auto at = begin + long(drawn(std::min(nearest_, from.size())));
     std::nth_element(begin, at, order_.end());
     return at->second;

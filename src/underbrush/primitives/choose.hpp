@@ -32,7 +32,7 @@ class Chooser {
   static constexpr double kPointsWeight = 2, kMatterWeightM = 0.6;
   static constexpr double kVarietyM = 20, kFitsM = 0.5;  // m
 
-  Chooser(const PrimitiveSet& set, Choice how, size_t nearest);
+  Chooser(const PrimitiveSet& set, Choice choice, size_t nearest);
 
   /// Returns the primitives that may stand for the class: those of the class, or else of its kind.
   const std::vector<uint32_t>& candidates(elements::Class c);
@@ -47,7 +47,7 @@ class Chooser {
   bool stands_near(uint32_t entry, const Vec3& position) const;
 
   const PrimitiveSet& set_;
-  Choice how_;
+  Choice choice_;
   size_t nearest_;
   std::map<elements::Class, std::vector<uint32_t>> by_class_;
   std::map<elements::ClassKind, std::vector<uint32_t>> by_kind_;

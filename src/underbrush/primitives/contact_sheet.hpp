@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "underbrush/primitives/primitive_set.hpp"
+#include "underbrush/primitives/primitive_entry.hpp"
 
 namespace underbrush::primitives {
 

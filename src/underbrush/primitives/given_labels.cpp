@@ -12,6 +12,7 @@
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/elements/label_sets.hpp"
 #include "underbrush/io/log_file.hpp"
+#include "underbrush/io/ply_header.hpp"
 #include "underbrush/io/table.hpp"
 
 namespace underbrush::primitives {

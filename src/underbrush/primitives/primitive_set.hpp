@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "underbrush/primitives/extract.hpp"
+#include "underbrush/primitives/primitive_entry.hpp"
 
 namespace underbrush::primitives {
 
@@ -21,17 +22,6 @@ struct PrimitiveOrigin {
   std::string sensor;      ///< Name of the sensor that recorded it.
   std::string license;     ///< Licence of the log.
   std::string provenance;  ///< JSON object: the provenance of the set.
-};
-
-/// A primitive as the manifest lists it.
-struct PrimitiveEntry {
-  elements::Class label = elements::Class::kUnknown;
-  Box box;
-  std::string name;  ///< CLASS/NUMBER, which is its folder in the set.
-  size_t elements = 0, points = 0;
-  std::array<Vec3, 5> quantiles = PlacedObject{}.quantiles;  ///< As of `PlacedObject`.
-  uint32_t origin = 0;  ///< Index into `PrimitiveSet::origins`, if it has any.
-  BoxBeams beams = {};  ///< As of `PlacedObject`.
 };
 
 /// The manifest of a set. The elements of its primitives are read when they are needed.

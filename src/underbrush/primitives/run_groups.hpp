@@ -5,7 +5,7 @@
 #include <numeric>
 #include <vector>
 
-#include "underbrush/primitives/objects.hpp"
+#include "underbrush/primitives/object_options.hpp"
 #include "underbrush/primitives/run_graph.hpp"
 
 namespace underbrush::primitives {

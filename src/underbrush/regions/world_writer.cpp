@@ -4,6 +4,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/temporary.hpp"
+#include "underbrush/elements/element_light.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/hash.hpp"
 #include "underbrush/io/ply.hpp"

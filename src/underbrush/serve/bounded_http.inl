@@ -8,7 +8,7 @@
 #include <chrono>
 
 #include "underbrush/serve/head_lines.hpp"
-#include "underbrush/serve/http_server.hpp"
+#include "underbrush/serve/http_message.hpp"
 
 namespace underbrush::serve {
 

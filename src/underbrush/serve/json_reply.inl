@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "underbrush/serve/http_server.hpp"
+#include "underbrush/serve/http_message.hpp"
 
 namespace underbrush::serve {
 

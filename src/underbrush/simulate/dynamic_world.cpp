@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/elements/element_light.hpp"
 
 namespace underbrush::simulate {
 namespace {

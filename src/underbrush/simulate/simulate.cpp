@@ -154,7 +154,7 @@ std::vector<std::optional<keyframes::CachedReturn>> cached_returns(
       if (sways) patch = mix64(patch + interval_of(shots.trials[k], patch));
       key = mix64(*matter ^ patch);
     }
-    query.u = uniform_from_bits(random_bits(key, 0, Purpose::kRecall));
+    query.u = uniform_from_bits(random_bits(key, 0, Purpose::kKeyframe));
     if (query.u >= most) continue;
     queries[number.size()] = query;
     number.push_back(k);

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "underbrush/sites/point_process.hpp"
+#include "underbrush/sites/pair_process.hpp"
 
 namespace underbrush::sites {
 

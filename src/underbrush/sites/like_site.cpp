@@ -6,6 +6,7 @@
 #include "underbrush/core/cells.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
+#include "underbrush/sites/distances.hpp"
 
 namespace underbrush::sites {
 namespace {

@@ -17,16 +17,6 @@ struct Statistic {
   double value = 0;
 };
 
-/// Returns the mean; NaN of no values.
-double mean_of(std::span<const double> values);
-/// Returns the standard deviation of a sample; NaN of fewer than two values.
-double deviation_of(std::span<const double> values);
-
-/// Returns the distance (m) of each place of `from` to the nearest of `to` at another place;
-/// infinite where there is none.
-std::vector<double> nearest_distances(std::span<const Eigen::Vector2d> from,
-                                      std::span<const Eigen::Vector2d> to);
-
 /// Measures the objects that stand in a window, trees and shrubs apart: their density, mean
 /// distance to the nearest neighbour and its 10 % quantile, height and width; the correlation of a
 /// tree's height with the distance to its nearest tree; the mean distance of a shrub to the nearest

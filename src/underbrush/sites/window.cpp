@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "underbrush/core/check.hpp"
-#include "underbrush/sites/statistics.hpp"
+#include "underbrush/sites/distances.hpp"
 
 namespace underbrush::sites {
 namespace {

@@ -1,9 +1,20 @@
 /// \file
 /// The prototypes of the plants of the test site.
 #pragma once
-#include "underbrush/test_site/test_site.hpp"
+#include <string>
+#include <vector>
+
+#include "underbrush/test_site/plant_mesh.hpp"
 
 namespace underbrush::test_site {
+
+/// A plant at the identity pose: base at the origin, z up.
+struct Prototype {
+  std::string name;
+  PlantMesh plant;
+  double height_m = 0;  ///< m; height of its highest vertex.
+  double radius_m = 0;  ///< m; radius of the vertical cylinder about the origin that holds it.
+};
 
 /// Range of indices of the prototypes of one kind.
 struct PrototypeRange {

@@ -8,6 +8,7 @@
 #include "underbrush/elements/classes.hpp"
 #include "underbrush/test_site/drive.hpp"
 #include "underbrush/test_site/plant_mesh.hpp"
+#include "underbrush/test_site/prototypes.hpp"
 #include "underbrush/test_site/terrain.hpp"
 
 namespace underbrush {
@@ -25,14 +26,6 @@ struct SiteParameters {
   double ground_spacing_m = 0.25;  ///< m; spacing of the ground mesh.
   double ground_margin_m = 10;     ///< m; width of the bare ground around the site.
   uint64_t seed = 1;
-};
-
-/// A plant at the identity pose: base at the origin, z up.
-struct Prototype {
-  std::string name;
-  PlantMesh plant;
-  double height_m = 0;  ///< m; height of its highest vertex.
-  double radius_m = 0;  ///< m; radius of the vertical cylinder about the origin that holds it.
 };
 
 /// A prototype placed in the world: x ↦ pose · (scale · x).

@@ -1,6 +1,6 @@
 // The arithmetic of the ray model, for one ray (D = double) or for several at once (D a vector of
 // doubles). Both do the same operations in the same order and so give the same bits, as long as the
-// compiler does not contract them. element_math.cpp and kernel.inl include this file.
+// compiler does not contract them. element_math.cpp and kernel_table.inl include this file.
 #pragma once
 #include <cstdint>
 

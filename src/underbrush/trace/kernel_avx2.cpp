@@ -1,4 +1,4 @@
-#include "underbrush/trace/kernel.inl"
+#include "underbrush/trace/kernel_table.inl"
 
 namespace underbrush::trace {
 

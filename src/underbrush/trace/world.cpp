@@ -93,8 +93,8 @@ struct World::Impl {
   Draws draws = Draws::kAnew;
   std::optional<UnknownSpace> unknown;
 
-  void build(Draws how) {
-    draws = how;
+  void build(Draws chosen) {
+    draws = chosen;
     std::vector<bool> placed(models.size());
     for (const elements::Instance& i : instances) placed[i.model] = true;
     for (size_t k = 0; k < models.size(); ++k) {

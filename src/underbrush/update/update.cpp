@@ -7,6 +7,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/still_beams.hpp"
 #include "underbrush/fit/fitters.hpp"
+#include "underbrush/fit/part_options.hpp"
 #include "underbrush/keyframes/keyframe_cache.hpp"
 #include "underbrush/update/new_returns.hpp"
 #include "underbrush/update/update_work.hpp"

@@ -26,10 +26,10 @@ struct SimulateOptions {
 
 /// A model or scene, prepared for tracing. A model or scene that was given as a value and is not
 /// changed by the options must outlive it; all else is its own.
-class FiredInto {
+class PreparedWorld {
  public:
   /// Throws as the readers do, and `std::invalid_argument` for options out of range.
-  FiredInto(const GivenWorld& given, const SimulateOptions& options);
+  PreparedWorld(const GivenWorld& given, const SimulateOptions& options);
   pipeline::TracedWorld& world() const { return *traced_; }
 
  private:

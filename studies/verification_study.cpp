@@ -1,4 +1,4 @@
-#include "studies/verification.hpp"
+#include "studies/verification_study.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "fired_into.hpp"
+#include "prepared_world.hpp"
 
 #include "underbrush/io/poses.hpp"
 
@@ -42,7 +42,7 @@ void add_mover(pipeline::World& world, const GivenMover& mover) {
 
 }  // namespace
 
-FiredInto::FiredInto(const GivenWorld& given, const SimulateOptions& options) {
+PreparedWorld::PreparedWorld(const GivenWorld& given, const SimulateOptions& options) {
   const pipeline::Matter matter = pipeline::matter_of(options.pipeline);
   if (std::optional<pipeline::World> own = own_world(given, options)) {
     for (const GivenMover& mover : options.movers) add_mover(*own, mover);

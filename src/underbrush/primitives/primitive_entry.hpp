@@ -1,0 +1,21 @@
+/// \file
+/// The entries of a set of primitives.
+#pragma once
+#include <string>
+
+#include "underbrush/primitives/extract.hpp"
+
+namespace underbrush::primitives {
+
+/// A primitive as the manifest lists it.
+struct PrimitiveEntry {
+  elements::Class label = elements::Class::kUnknown;
+  Box box;
+  std::string name;  ///< CLASS/NUMBER, which is its folder in the set.
+  size_t elements = 0, points = 0;
+  std::array<Vec3, 5> quantiles = PlacedObject{}.quantiles;  ///< As of `PlacedObject`.
+  uint32_t origin = 0;  ///< Index into `PrimitiveSet::origins`, if it has any.
+  BoxBeams beams = {};  ///< As of `PlacedObject`.
+};
+
+}  // namespace underbrush::primitives
