@@ -59,13 +59,14 @@ void add_serve(Program& program) {
       add_verb(program, "Start", "serve", "Look at logs, models, scenes and scores in the browser",
                "underbrush serve log.ply model/\n"
                "  underbrush serve folder/\n"
-               "  underbrush serve log.ply --labels work/",
+               "  underbrush serve log.ply world/ edits.json --labels work/",
                [a](const Verb& v) { run(v, *a); });
   CLI::App& app = verb->app;
   app.add_option(
          "PATH", a->paths,
          "Logs, folders of models, scenes, worlds of regions (all of which are read) or sets of "
-         "primitives, scores (score --json), or folders of these; nothing else is read")
+         "primitives, scores (score --json), or folders of these, and a list of edits of actors; "
+         "nothing else is read")
       ->required();
   verb->not_of_result(app.add_option("--port", a->port, "Port of this machine; 0 = a free one")
                           ->check(CLI::Range(0, 65535))
