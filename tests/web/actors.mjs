@@ -1,4 +1,6 @@
 // Steps of browser.mjs about actors: the list, times, edits, dragging, and boxes in scans that become tracks.
+import { readdirSync, readFileSync } from 'node:fs';
+import { join } from 'node:path';
 import { end, startServer } from './labels.mjs';
 
 const fact = (page, name) => page.evaluate((n) => document.documentElement.dataset[n] ?? '', name);
@@ -143,6 +145,66 @@ export async function editActors({ page, expect, ready, accessible, picture, pro
   expect(/simulate done/.test(await fact(page, 'jobs')), await fact(page, 'jobs'));
   expect(/--actors \S*edits-\w+\.json/.test(await page.locator('.jobs').innerText()), 'the command line names the edits');
 
+  // What was written opens again, by the file picker and by a drop, and is written again to the same bytes.
+  const status = (pattern) => page.waitForFunction((p) => new RegExp(p).test(document.querySelector('#status').innerText), pattern);
+  const written = () => readdirSync(join(folder, 'work')).filter((f) => /^edits-.*json$/.test(f)).map((f) => join(folder, 'work', f));
+  const [first] = written();
+  const placed = await fact(page, 'actorsAt');
+  const openDropped = async (name, text) => {
+    const dropped = await page.evaluateHandle(([n, t]) => {
+      const data = new DataTransfer();
+      data.items.add(new File([t], n, { type: 'application/json' }));
+      return data;
+    }, [name, text]);
+    await page.dispatchEvent('#view', 'drop', { dataTransfer: dropped });
+  };
+  for (const open of [() => page.getByLabel('File of edits').setInputFiles(first), () => openDropped('mine.json', readFileSync(first, 'utf8'))]) {
+    for (let k = 3; k > 0; --k) {
+      await button('Undo').click();
+      await waitFor(page, 'edits', `${k - 1}`);
+    }
+    expect((await fact(page, 'actorsAt')) !== placed, 'without its edits the actor is elsewhere');
+    await open();
+    await status('^Opened: (edits-.*|mine)[.]json, edits of [.][.]/actors$');
+    await waitFor(page, 'edits', '3');
+    expect((await fact(page, 'actorsAt')) === placed, 'the actors are where they were when the edits were written');
+    expect((await page.getByLabel('Edits', { exact: true }).innerText()) === '3 edits', 'no edit is taken back');
+    await button('Undo').click();
+    await waitFor(page, 'edits', '2');
+    await button('Redo').click();
+    await waitFor(page, 'edits', '3');
+    const before = written();
+    await page.waitForTimeout(1100); // names differ by the second
+    await button('Write edits').click();
+    await status('^Written: ');
+    const [again] = written().filter((f) => !before.includes(f));
+    expect(readFileSync(again).equals(readFileSync(first)), 'what was opened is written to the same bytes');
+  }
+  const list3 = JSON.parse(readFileSync(first, 'utf8'));
+  for (const [text, told] of [
+    [JSON.stringify({ ...list3, edits: [...list3.edits, { edit: 'remove', actor: 'nobody' }] }), "bad.json: edits\\[3\\].actor: there is no such actor: 'nobody'"],
+    [JSON.stringify({ ...list3, version: 2 }), 'bad.json: version'],
+    ['{"edits"', 'bad.json: not a list of edits'],
+    ['', 'bad.json: not a list of edits'],
+    [JSON.stringify({ ...list3, comment: 'x'.repeat(20000) }), 'bad.json: more edits than a request has room for'],
+  ]) {
+    await openDropped('bad.json', text);
+    await status(`^${told}`);
+    expect((await fact(page, 'edits')) === '3' && (await fact(page, 'actorsAt')) === placed, 'what cannot be opened changes nothing');
+  }
+  await page.evaluate(() => delete document.documentElement.dataset.error);
+
+  // Edits that were not written are lost only if a person says so.
+  await button('Turn round').click();
+  await waitFor(page, 'edits', '4');
+  page.once('dialog', (dialog) => dialog.dismiss());
+  await page.getByLabel('File of edits').setInputFiles(first);
+  await page.waitForTimeout(200);
+  expect((await fact(page, 'edits')) === '4', 'they stay');
+  page.once('dialog', (dialog) => dialog.accept());
+  await page.getByLabel('File of edits').setInputFiles(first);
+  await waitFor(page, 'edits', '3');
+
   // A box that is carried on is a track.
   await page.getByLabel('File for boxes').selectOption({ label: 'log.ply' });
   await waitFor(page, 'saved', 'yes');
@@ -161,4 +223,14 @@ export async function editActors({ page, expect, ready, accessible, picture, pro
   await press('7');
   await waitFor(page, 'saved', 'yes');
   await end(server, 'SIGINT');
+
+  // A server that is started with a list begins with its edits.
+  const second = await startServer(program, folder, 'log.ply', first);
+  await page.goto(second.address);
+  await ready();
+  await waitFor(page, 'edits', '3');
+  await setTime(page, 0.081);
+  const names = (text) => text.split('; ').map((t) => t.split(' ').slice(0, 4).join(' ')).join('; ');
+  expect(names(await fact(page, 'actorsAt')) === names(placed), `the actors of the list are at ${await fact(page, 'actorsAt')}`);
+  await end(second, 'SIGINT');
 }

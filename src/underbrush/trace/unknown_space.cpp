@@ -166,8 +166,9 @@ std::optional<double> UnknownSpace::drawn_end(const Ray& ray, uint64_t key,
   bool comes_low = false;
   const double density = std::max(most_high_, most_low_ * std::max(kLeastFall, -ray.direction.z()));
   const double most = kSlack * density * space_.cell_m;
-  const auto may_end = [&](const StepCells& cells, CrossedCells::Block& block) {
-    return crossed_.hold(cells, block) ? 0u : drawn_at_most(most, key, cells);
+  // To draw for all steps of a batch takes less than to look their cells up.
+  const auto may_end = [&](const StepCells& cells, CrossedCells::Block&) {
+    return drawn_at_most(most, key, cells);
   };
   follow(ray, limits, may_end, [&](const Step& s) {
     comes_low = s.is_low();
