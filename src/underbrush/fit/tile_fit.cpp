@@ -5,6 +5,7 @@
 
 #include "underbrush/core/rng.hpp"
 #include "underbrush/fit/gather.hpp"
+#include "underbrush/ground/height_grid.hpp"
 
 namespace underbrush::fit {
 namespace {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "underbrush/actors/actor_edits.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/keyframes/keyframe_cache.hpp"
 #include "underbrush/perception/rig_source.hpp"
