@@ -29,6 +29,7 @@ fs::path cloud_file(const fs::path& folder, const std::string& stem) {
 
 }  // namespace
 
+// long: one experiment, from its scans to its tables.
 void add_miniature(const StudyRun& run, StudyResult& result,
                    const std::function<void(Solid&)>& change) {
   const Solid target = miniature();
