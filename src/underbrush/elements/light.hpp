@@ -2,6 +2,7 @@
 /// The reflectances of a model's elements, and the intensity response of the sensor.
 #pragma once
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 

@@ -6,35 +6,15 @@
 
 #include "underbrush/actors/actor_edits.hpp"
 #include "underbrush/core/check.hpp"
-#include "underbrush/core/file.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/json_text.inl"
+#include "underbrush/serve/edit_list.inl"
 #include "underbrush/serve/json_reply.inl"
 
 namespace underbrush::serve {
 namespace {
 
 constexpr const char* kEdits = "edits";
-
-// The content of a file of edits, none of which names another file: `text` itself, or with `text`
-// as its edits. Errors name it `place`.
-Json list_of(const std::string& text, const std::string& place) {
-  const auto check = [&](bool ok, const std::string& what) {
-    if (!ok) throw std::invalid_argument(place.empty() ? what : place + ": " + what);
-  };
-  std::optional<Json> given = text.empty() ? Json::array() : io::json_if_valid(text);
-  if (given && given->is_array()) {
-    given = {
-        {"format", "underbrush-actor-edits"}, {"version", 1}, {"actors", "."}, {"edits", *given}};
-  }
-  check(given && given->is_object() && given->contains("format"), "not a list of edits of actors");
-  size_t number = 0;
-  for (const Json& edit : given->value("edits", Json::array())) {
-    check(!edit.is_object() || !(edit.contains("trajectory") || edit.contains("model")),
-          "edits[" + std::to_string(number++) + "] names a file, which edits on the page do not");
-  }
-  return *std::move(given);
-}
 
 // What moves in a scene, without the models.
 std::vector<actors::Actor> moving(const WorldData& world) {
@@ -87,7 +67,7 @@ Json learnt(const Json& provenance, const std::string& name) {
 
 std::string actors_json(const WorldData& world, const std::string& edits,
                         const std::string& place) {
-  const Json given = list_of(edits, place);
+  const Json given = edit_list(edits, place);
   const std::vector<actors::Actor> list = edited(world, given, place);
   const elements::SceneInfo& info = world.info();
   const Json provenance = io::json_if_valid(info.provenance).value_or(Json::object());
@@ -116,19 +96,10 @@ void write_edits(const std::filesystem::path& path, const OpenedFile& scene, con
                  const std::string& edits) {
   require(scene.kind == FileKind::kScene && all_moves(world),
           "only a folder of actors, in which all moves, can be edited");
-  Json list = list_of(edits, kEdits);
+  Json list = edit_list(edits, kEdits);
   edited(world, list, kEdits);
   list["actors"] = scene.path.lexically_relative(path.parent_path()).string();
   io::write_atomically(path, io::text_of_json(list, 1) + "\n");
-}
-
-GivenEdits read_edits(const std::filesystem::path& file) try {
-  actors::read_actors(file);
-  const Json list = list_of(read_file(file), "");
-  const std::string folder = list.at("actors");
-  return {std::filesystem::canonical(file.parent_path() / folder), text_of(list)};
-} catch (const std::invalid_argument& e) {
-  throw FormatError(file.string(), "", e.what());
 }
 
 }  // namespace underbrush::serve

@@ -21,8 +21,4 @@ std::string actors_json(const WorldData& world, const std::string& edits, const 
 void write_edits(const std::filesystem::path& path, const OpenedFile& scene, const WorldData& world,
                  const std::string& edits);
 
-/// Reads a list of edits. Throws as `actors::read_actors` does, and `std::invalid_argument` for
-/// edits that name files.
-GivenEdits read_edits(const std::filesystem::path& file);
-
 }  // namespace underbrush::serve

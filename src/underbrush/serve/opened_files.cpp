@@ -13,7 +13,6 @@
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/primitives/primitive_set.hpp"
 #include "underbrush/regions/index.hpp"
-#include "underbrush/serve/actor_api.hpp"
 #include "underbrush/worlds/read_world.hpp"
 
 namespace underbrush::serve {

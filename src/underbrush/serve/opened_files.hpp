@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "underbrush/serve/edit_list.hpp"
+
 namespace underbrush::serve {
 
 /// What a file is.
@@ -21,12 +23,6 @@ struct OpenedFile {
   /// The name that users see: the path relative to the file or folder that was named, with as many
   /// folders above it as distinguish the files.
   std::string name;
-};
-
-/// A list of edits of actors.
-struct GivenEdits {
-  std::filesystem::path actors;  ///< The folder that is edited, with all links resolved.
-  std::string list;              ///< The content of the file; "" for none.
 };
 
 /// The files, in the order in which they were named, those of a folder by name.
