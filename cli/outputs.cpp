@@ -18,8 +18,12 @@ constexpr std::streamoff kLooked = 1 << 16;  // bytes at the start and at the en
 constexpr const char* kObjectColumns = "time,available,vehicle_x,vehicle_y,vehicle_z";
 // The beginning of a compact log.
 constexpr const char* kCompactLog = "UBLOG\r\n";
-constexpr const char* kMarks[] = {"nderbrush",          io::kCsvColumns, io::kPcdFields,
-                                  io::kWaveformColumns, kObjectColumns,  kCompactLog};
+// The last columns of tables of waveforms, and all of the waveform that `sensors echo` draws.
+constexpr const char* kSignalColumns = "range_m,signal\n";
+// The beginning of waveforms of all beams.
+constexpr const char* kWaveforms = "UBWAVES1";
+constexpr const char* kMarks[] = {"nderbrush",    io::kCsvColumns, io::kPcdFields, kSignalColumns,
+                                  kObjectColumns, kCompactLog,     kWaveforms};
 
 fs::path place_of(const fs::path& path) {
   const fs::path plain = path.filename().empty() ? path.parent_path() : path;

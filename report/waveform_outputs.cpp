@@ -48,6 +48,7 @@ void WaveformOutputs::receive_from(pipeline::SimulateOptions& options) {
   most_ = options.waveform.count;
   options.all_waveforms = !binary_.empty();
   options.on_waveforms = [this](std::vector<simulate::BeamWaveform> taken) {
+    size_ += taken.size();
     for (const auto& file : binary_) file->append(taken);
     for (simulate::BeamWaveform& w : taken) {
       if (kept_.size() < most_) kept_.push_back(std::move(w));

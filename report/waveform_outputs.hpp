@@ -26,6 +26,8 @@ class WaveformOutputs {
   bool empty() const { return binary_.empty() && pictures_.empty(); }
   /// Lets the simulation of these options give its waveforms to this, which must outlive it.
   void receive_from(pipeline::SimulateOptions& options);
+  /// Returns the number of waveforms.
+  size_t size() const { return size_; }
   /// Writes all files. `sensor` gives the title of a plot.
   void write(const sensor::Sensor& sensor);
 
@@ -33,7 +35,7 @@ class WaveformOutputs {
   std::vector<std::string> pictures_;  ///< Tables and plots.
   std::vector<std::unique_ptr<pipeline::WaveformFile>> binary_;
   std::vector<simulate::BeamWaveform> kept_;  ///< For tables and plots.
-  size_t most_ = 0;
+  size_t most_ = 0, size_ = 0;
 };
 
 }  // namespace underbrush::report

@@ -74,7 +74,7 @@ TargetScores score_target(const StudyRun& run, const StaticScan& scan,
   for (size_t k = 0; k < contenders.size(); ++k) {
     const Contender& c = contenders[k];
     const auto model_of = [](const Contender& x) {
-      return x.fit.fitter + "-" + x.fit.credit.rule +
+      return x.fit.fitter + "-" + x.fit.credit.rule + "-" + x.fit.segment.method +
              (x.name.starts_with(kDefault) ? "-default" : "");
     };
     const bool same_model = k > 0 && model_of(contenders[k - 1]) == model_of(c);

@@ -53,7 +53,8 @@ std::vector<Contender> static_contenders(uint64_t seed) {
   // join.
   const fit::FitOptions mesh = surface(0.01, 0.08);
   std::vector<Contender> out{{kDefault, {}, false, true},
-                             {"default, anew", {}},
+                             {"default with options", {}, false, true},
+                             {"default with options, anew", {}},
                              {"surface, cone", mesh, true},
                              {"surface, axis", mesh, false},
                              {"voxel, cone", voxel(0.05), true},
@@ -66,6 +67,7 @@ std::vector<Contender> static_contenders(uint64_t seed) {
   out.push_back({"likelihood", dense("likelihood"), false});
   for (Contender& c : out) {
     c.fit.seed = seed;
+    if (c.name == kDefault) continue;
     c.fit.segment.method = "none";
     // This is the rounding of the range count. The spread of hundreds of points contains the noise
     // already, and a floor as wide as the noise would thicken what is flat and stands oblique to

@@ -95,7 +95,8 @@ struct SimulatedScan {
 };
 /// Scans the solid with the simulator. The raster is shifted by `raster_phase(scan)` steps.
 SimulatedScan simulated_scan(const Solid& solid, const Pose& target_from_scanner, int scan,
-                             uint64_t seed, const ScannerFault& fault = {});
+                             uint64_t seed, const ScannerFault& fault = {},
+                             bool all_sub_rays = false);
 /// Scans the target with the independent simulator (`analytic_scan`), in place of the real
 /// instrument; returns the points in the scanner's frame. The raster is shifted by
 /// `raster_phase(scan)` steps.

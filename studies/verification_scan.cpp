@@ -21,16 +21,17 @@ void tilt_mirror(const Pose& target_from_scanner, double tilt_rad, std::vector<V
   }
 }
 
-/// Answers the beams of the scanner as `simulate --super-sample sensor --all-sub-rays` does. A few
-/// sub-rays in place of all, as by default, would move the ends of beams on edges.
-BeamLog answered(const Solid& solid, const sensor::Sensor& sensor, BeamLog beams, uint64_t seed) {
+/// Simulates the beams of the scanner as `simulate --super-sample sensor` does, and with
+/// `all_sub_rays` as `--all-sub-rays` does.
+BeamLog answered(const Solid& solid, const sensor::Sensor& sensor, BeamLog beams, uint64_t seed,
+                 bool all_sub_rays) {
   elements::Model model;
   model.surface = triangulated(solid).mesh;
   const pipeline::TracedWorld world(model);
   pipeline::SimulateOptions options;
   options.seed = seed;
   options.instrument.super_sample = "sensor";
-  options.instrument.all_sub_rays = true;
+  options.instrument.all_sub_rays = all_sub_rays;
   options.instrument.material = {"unknown=white_pvc"};
   pipeline::Simulation simulation(world, options, [&](const char*) { return sensor; });
   BeamLog out = pipeline::simulate_log(simulation, std::move(beams));
@@ -63,7 +64,7 @@ std::vector<Vec3> instrument_scan(const Solid& target, const Pose& pose, int sca
 }
 
 SimulatedScan simulated_scan(const Solid& solid, const Pose& target_from_scanner, int scan,
-                             uint64_t seed, const ScannerFault& fault) {
+                             uint64_t seed, const ScannerFault& fault, bool all_sub_rays) {
   sensor::Sensor sensor = sensor::load("optech-ilris-3d");
   sensor.range_sigma_m *= fault.noise;
   const sensor::Raster& raster = sensor.raster;
@@ -78,7 +79,7 @@ SimulatedScan simulated_scan(const Solid& solid, const Pose& target_from_scanner
   BeamLog beams = sensor::beams(sensor, still, 0, cycle);
   std::vector<Vec3f> reported = beams.direction;
   if (fault.mirror_tilt_rad != 0) tilt_mirror(pose, fault.mirror_tilt_rad, beams.direction);
-  beams = answered(solid, sensor, std::move(beams), seed);
+  beams = answered(solid, sensor, std::move(beams), seed, all_sub_rays);
   beams.direction = std::move(reported);
   for (float& range : beams.range_m) range += float(fault.bias_m);
   SimulatedScan out;

@@ -81,6 +81,8 @@ void run(const Verb& verb, Arguments& a) {
       line("ground", "{} ({} triangles)", ground.string(), site.ground.ground.size());
   std::vector<fs::path> inputs = site.inputs;
   inputs.insert(inputs.end(), {a.log, a.ground});
+  // The site that --like names may have its ground where this one gets its own.
+  if (site.has_own_ground) check_outputs({{"the ground", ground}}, site.inputs, verb.force);
   const primitives::Annotation annotation{ground, std::move(site.measured.objects),
                                           provenance(verb, inputs)};
   if (site.has_own_ground) {

@@ -196,6 +196,7 @@ void run(const Verb& verb, Arguments& a) {
   a.cut.from_s = a.slice[0];
   a.cut.to_s = a.slice[1];
   if (a.checkpoint.empty()) a.checkpoint = a.output + ".checkpoint";
+  verb.check_all_outputs();  // Now the checkpoint has a name.
   io::check_output(a.output);
   io::check_output(a.checkpoint);
   if (!a.report.empty()) report::check_report_output(a.report);

@@ -190,7 +190,7 @@ void add_sensors(Program& program) {
                  "echo: a target that a share of the beam meets perpendicularly; may be repeated")
       ->type_name("RANGE[:MATERIAL[:SHARE]]")
       ->take_all();
-  app.add_option("--csv", a->csv, "echo: write the waveform to this file")->type_name("FILE");
+  verb->output("--csv", a->csv, "echo: write the waveform to this file")->type_name("FILE");
   app.add_option("--visibility", a->visibility_m,
                  "echo: visibility in haze or fog, m; 0 = clear air")
       ->check(CLI::NonNegativeNumber)

@@ -204,6 +204,7 @@ struct Done {
   pipeline::SimulateCounts counts;
   const LogInfo& beams;
   double seconds;
+  size_t waveforms;
 };
 
 /// Says what of the model had a part in the answers.
@@ -249,6 +250,7 @@ void report(const Verb& verb, const Arguments& a, const Done& done,
   if (sub_rays) j["echoes"] = n.hits;
   if (sub_rays) j["sub_rays"] = sub_rays;
   if (sub_rays) j["sub_rays_traced"] = mean_traced;
+  if (!a.waveforms.empty()) j["waveforms"] = done.waveforms;
   if (!lost.empty()) j["lost"] = lost;
   if (traced.sway_s() > 0) j["sway_s"] = traced.sway_s();
   if (!model.channels.empty()) j["channel_offsets"] = model.channels_of(done.beams).size();
@@ -274,6 +276,9 @@ void report(const Verb& verb, const Arguments& a, const Done& done,
         fmt::format("  matter      sways with a correlation time of {:.2g} s\n", traced.sway_s());
   }
   if (!lost.empty()) text += fmt::format("  not kept    {}\n", lost);
+  if (!a.waveforms.empty()) {
+    text += fmt::format("  waveforms   {}; beams of keyframes have none\n", done.waveforms);
+  }
   text += text_of_model(done, model);
   if (world.read.parts) text += text_of(world);
   text += text_of_warnings(n.warnings);
@@ -307,7 +312,7 @@ void run(const Verb& verb, Arguments& a) {
     counts.warnings.push_back(std::move(note));
   waveforms.write(simulation.sensor());
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-  report(verb, a, {simulation, counts, beams.source->info(), seconds},
+  report(verb, a, {simulation, counts, beams.source->info(), seconds, waveforms.size()},
          report::WorldSummary{traced.own()->read, traced.own()->info});
 }
 

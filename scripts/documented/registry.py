@@ -43,7 +43,13 @@ def real_logs(models):
             for heading in SCORES:
                 yield f"{log}/{model}", heading, [s[heading]]
         return Part((model_job(log, model),), cells)
-    return tuple(part(log, model) for log in LOGS for model in models)
+
+    def beside(log):
+        def cells(folder):
+            for name, s in read_json(folder / "scores.json")["baselines"].items():
+                yield from ((f"{log}/{name}", heading, [s[KEYS[heading]]]) for heading in SCORES if KEYS.get(heading) in s)
+        return Part((baselines_job(log),), cells)
+    return tuple(part(log, model) for log in LOGS for model in models) + tuple(beside(log) for log in LOGS)
 
 
 def reliability(models):
@@ -61,15 +67,17 @@ def fitters(models):
     return tuple(part(log, model) for log in LOGS for model in models) + tuple(baselines(log) for log in LOGS)
 
 
-def baselines(log):
+def baselines_job(log):
     """The scores of what a simulator must beat, on the beams of a log."""
-    job = Job(f"baselines.{log}", f"""underbrush score "$WORK/{log}/test.ply" "$WORK/{log}/default.ply" \\
+    return Job(f"baselines.{log}", f"""underbrush score "$WORK/{log}/test.ply" "$WORK/{log}/default.ply" \\
   --train "$WORK/{log}/train.ply" --json scores.json""", (LOGS[log],), (model_job(log, "default"),))
 
+
+def baselines(log):
     def cells(folder):
         for name, s in read_json(folder / "scores.json")["baselines"].items():
             yield name, log, [s[KEYS["packet error, m"]], s[KEYS["F1"]]]
-    return Part((job,), cells)
+    return Part((baselines_job(log),), cells)
 
 
 def tuning():
@@ -138,7 +146,7 @@ def vegetation(folder):
     targets = {"planes": "planes", "high tree": "tree_high", "medium tree": "tree_medium", "low tree": "tree_low",
                "tall grass": "tall_grass", "short grass": "short_grass"}
     rows = {"surface, cone / axis": ("surface, cone", "surface, axis"), "default": ("default",)}
-    rows |= {row: (row,) for row in ("default, anew", "voxel", "top_down", "bottom_up", "hierarchical", "likelihood")}
+    rows |= {row: (row,) for row in ("default with options", "default with options, anew", "voxel", "top_down", "bottom_up", "hierarchical", "likelihood")}
     figures = read_json(folder / "study.json")["figures"]["static"]
     for column, target in targets.items():
         yield "look-up", column, [figures[target]["lookup"]]
@@ -196,7 +204,8 @@ def verification(folder):
     yield "simulated, mean patch distance, mm", "ours", [1000 * f["miniature"]["mean_patch_distance_m"]]
     yield "real (here a second ray caster), mm", "ours", [1000 * f["miniature"]["real_mean_patch_distance_m"]]
     for row, which in (("histograms, one scan", "miniature"), ("the same, instrument", "miniature_again"),
-                       ("histograms, 16 scans", "miniature_scans")):
+                       ("histograms, 16 scans: mean", "miniature_scans"),
+                       ("histograms, 16 scans, all", "miniature_scans_all_sub_rays")):
         yield row, "ours", [f[which]["histogram_mean_share_difference"],
                             f[which]["histogram_largest_share_difference"]]
 

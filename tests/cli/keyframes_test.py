@@ -1,8 +1,11 @@
 #!/usr/bin/env python3
 """Tests of keyframes end to end, on the recorded scan that comes with the program: half of its columns teach a model,
 and the other half judge it beside the same model without keyframes."""
+import csv
 import json
+import math
 import pathlib
+import struct
 import tempfile
 
 import cli_test
@@ -77,6 +80,56 @@ class Keyframes(cli_test.Failing):
             self.assertEqual(moved["misses"], still["misses"])
             same = self.run_verb("score", "a.ply", "away.ply", "--name", "m")["models"]["m"]
             self.assertLess(same["packet_error_m"], 1e-3)
+
+    def waveforms(self, *words):
+        """Simulates, and returns the rows of the log and {beam: (samples, their signals, ranges of echoes)}."""
+        told = self.run_verb("simulate", "named", "--like", "again.ply", "--super-sample", "3x3", *words, "--waveforms",
+                             "all.waves", "-o", "made.csv", "--force")
+        data, found, at = (self.folder / "all.waves").read_bytes(), {}, 16
+        while at < len(data):
+            beam, *_, echoes, samples, _ = struct.unpack_from("<QdIHHII", data, at)
+            values = struct.unpack_from(f"<{2 * samples + echoes}f", data, at + 32)
+            found[beam] = values[:2 * samples:2], values[1:2 * samples:2], values[2 * samples:]
+            at += 32 + 4 * len(values)
+        self.assertEqual((told["waveforms"], struct.unpack_from("<Q", data, 8)[0]), (len(found), len(found)))
+        with open(self.folder / "made.csv", newline="") as file:
+            return list(csv.DictReader(file)), found
+
+    def assert_echo_is_at_a_peak(self, row, ranges, signals, echoes):
+        self.assertEqual(int(row["hit"]), len(echoes), row)
+        if not echoes:
+            return
+        measured = math.dist(*([float(row[o + axis]) for axis in "xyz"] for o in ("", "o")))
+        self.assertAlmostEqual(measured, echoes[0], delta=1e-4)
+        peaks = [k for k, signal in enumerate(signals) if signal == max(signals[max(0, k - 1):k + 2])]
+        peak = min(peaks, key=lambda k: abs(ranges[k] - measured))
+        self.assertLess(abs(ranges[peak] - measured), 0.2, row)  # The sample of 2 ns (0.30 m), or hardly beside it.
+        self.assertGreater(signals[peak], 0.5 * max(signals), row)  # The sensor returns the strongest echo.
+
+    def test_echoes_are_peaks_of_waveforms_and_beams_of_keyframes_have_none(self):
+        for name, x in (("seen", 0), ("again", 0.02)):
+            (self.folder / f"{name}.txt").write_text("".join(f"{t} {x} 0 0 0 0 0 1\n" for t in (0, 0.1)))
+            self.run_verb("simulate", "without", "--sensor", "velodyne-vlp16", "--trajectory", f"{name}.txt", "-o",
+                          f"{name}.ply")
+        self.run_verb("fit", "seen.ply", "-o", "named")
+        model = self.folder / "named/model.json"
+        manifest = json.loads(model.read_text())
+        # Two channels whose ranges are wrong by more than a sample of the waveform.
+        manifest["channels"] = [{"ring": ring, "range_offset_m": offset, "standard_error_m": 0.01}
+                                for ring, offset in ((3, 0.4), (4, -0.4))]
+        model.write_text(json.dumps(manifest))
+        rows, found = self.waveforms()
+        of_world, all_found = self.waveforms("--element-ids")  # which keyframes do not answer
+        self.assertEqual(len(all_found), len(rows))
+        for beam, row in enumerate(of_world):
+            self.assert_echo_is_at_a_peak(row, *all_found[beam])
+        same = {beam for beam, row in enumerate(rows) if all(row[name] == of_world[beam][name] for name in row)}
+        self.assertTrue(0.02 * len(rows) < len(found) < 0.5 * len(rows))
+        self.assertLessEqual(set(found), same)  # with a waveform: answered by the world
+        # Without one: answered by a keyframe, with the pulse as the sensor fires it.
+        widths = {row["pulse_width"] for beam, row in enumerate(rows) if beam not in found and row["hit"] == "1"}
+        self.assertEqual(len(widths), 1)
+        self.assertFalse(widths & {rows[beam]["pulse_width"] for beam in found if rows[beam]["hit"] == "1"})
 
     def test_damaged_keyframes_are_refused(self):
         file = self.folder / "with/keyframes.ply"

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Tests of runs that cannot write or are interrupted: they give one line and the right exit code, and neither leave
 nor lose a file."""
+import itertools
 import os
 import pathlib
-import random
 import resource
 import shutil
 import signal
@@ -12,6 +12,8 @@ import tempfile
 import time
 
 import cli_test
+
+SENSOR = pathlib.Path(__file__).resolve().parents[2] / "share/sensors/velodyne-vlp16.yaml"
 
 
 class Outputs(cli_test.OnALog):
@@ -153,142 +155,114 @@ class Interrupted(cli_test.OnALog):
             self.assertEqual(os.listdir(pathlib.Path(scratch, "demo")), [])
 
 
-class Killed(cli_test.OnALog):
-    """A run that is killed (-9) leaves each output as it was or as it should be, and the next run cleans up."""
-    MOMENTS = 20
-
-    def outputs(self, verb):
-        """The bytes of each file of each output, by the output's name."""
-        words = cli_test.JOBS[verb]
-        names = [words[k + 1] for k, word in enumerate(words) if word in ("-o", "--train", "--test", "--report")]
-        found = {}
-        for name in names:
-            path = pathlib.Path(self.folder, name)
-            files = [path] if path.is_file() else sorted(p for p in path.rglob("*") if p.is_file())
-            found[name] = {str(p.relative_to(self.folder)): p.read_bytes() for p in files}
-        return found
-
-    def run_whole(self, verb, seed):
-        (self.folder / "params.yaml.checkpoint").unlink(missing_ok=True)  # or it asks for --resume
-        done = cli_test.call(verb, *cli_test.JOBS[verb], "--seed", str(seed), cwd=self.folder)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return self.outputs(verb), done.stderr
-
-    def remains(self):
-        return list(self.folder.rglob(".underbrush-*"))
-
-    def check(self, prefix, moments):
-        self.run_all()
-        chance = random.Random(15)
-        left = cleaned = 0
-        for verb in cli_test.JOBS:
-            if verb == "info":
-                continue
-            new, _ = self.run_whole(verb, 2)
-            begin = time.monotonic()
-            old, _ = self.run_whole(verb, 1)
-            took = time.monotonic() - begin
-            for _ in range(moments):
-                process = subprocess.Popen([*prefix, cli_test.PROGRAM, verb, *cli_test.JOBS[verb], "--seed", "2"],
-                                           cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-                time.sleep(chance.uniform(0, took))
-                process.kill()
-                process.wait()
-                for name, files in self.outputs(verb).items():
-                    self.assertTrue(files in (old[name], new[name]), f"{verb}: {name} is neither the old nor the new")
-                remains = len(self.remains())
-                left += remains
-                again, errors = self.run_whole(verb, 1)
-                self.assertEqual(again, old, verb)
-                self.assertEqual(self.remains(), [], verb)
-                if remains and verb != "optimize":  # writes to one folder after the other
-                    self.assertIn("killed run", errors)
-                    cleaned += 1
-        self.assertGreater(left, 0, "no run was killed while it wrote")
-        self.assertGreater(cleaned, 0)
-
-    def test_at_any_moment(self):
-        self.check([], self.MOMENTS)
-
-    def test_at_any_moment_as_the_first_process_of_a_container(self):
-        first = ["unshare", "--pid", "--fork", "--kill-child"]
-        if shutil.which("unshare") is None or subprocess.run([*first, "true"], check=False,
-                                                             capture_output=True).returncode:
-            self.skipTest("needs unshare, as root")
-        self.check(first, 3)
-
-    def test_links_where_a_temporary_file_might_be_are_not_followed(self):
-        important = self.folder / "important.txt"
-        important.write_text("years")
-        for k in range(50):
-            (self.folder / f"again.ply.part-{k}-0").symlink_to(important)
-        self.run_all()
-        self.assertEqual(important.read_text(), "years")
-
-
 class Distinct(cli_test.OnALog):
     """Outputs differ from each other and from the inputs, and what others wrote is not replaced."""
+    NO_WRITERS = {"demo", "info", "serve", "live", "dump-config", "completion", "run", "merge"}
+    #: Commands beside those of `cli_test.JOBS` or in their place.
+    COMMANDS = {
+        "sensors": ["echo", "own.yaml", "--target", "9"],
+        "simulate": ["model", "--like", "log.ply", "--sensor", "own.yaml", "--super-sample", "2x2", "-o", "sim.ply"],
+        "perceive": ["log.ply", "--pipeline", "real", "--truth", "posts.csv", "--sensor-height", "2", "-o", "objects.csv"],
+        "primitives": ["merge", "primitives", "-o", "library"],
+        "plan": ["job.yaml", "-o", "plan"],
+    }
+    NEEDED = ("-o", "--train", "--test")
+    #: The other outputs, and names of theirs.
+    MORE_OUTPUTS = {
+        "movers": {"--only": "only.ply"},
+        "actors": {"--marked": "marked.ply", "--met": "met.ply"},
+        "fit": {"--export-splat": "splat.ply", "--export-ground": "ground.ply"},
+        "optimize": {"--checkpoint": "state.json", "--report": "report"},
+        "sensors": {"--csv": "echo.csv", "--plot": "echo.svg"},
+        "simulate": {"--waveforms": "all.waves"},
+        "perceive": {"--write-truth": "truth.csv", "--grid": "grid.json", "--report": "report"},
+        "score": {"--report": "report"},
+    }
+
     def setUp(self):
         super().setUp()
         self.run_all()
+        shutil.copy(SENSOR, self.folder / "own.yaml")
+        (self.folder / "job.yaml").write_text("command: simulate model --like log.ply -o planned.ply\n")
         os.symlink("log.ply", self.folder / "link.ply")
         os.link(self.folder / "log.ply", self.folder / "hard.ply")
 
-    def test_from_each_other_and_from_inputs(self):
-        split = ["split", "log.ply", "--every", "2"]
+    def commands(self):
+        """The words of each command that writes, without its outputs, and {option of an output: its name}."""
+        for verb, words in {**cli_test.JOBS, **self.COMMANDS}.items():
+            outputs = {option: words[words.index(option) + 1] for option in self.NEEDED if option in words}
+            outputs.update(self.MORE_OUTPUTS.get(verb, {}))
+            places = {*outputs, *outputs.values()}
+            yield [verb, *(word for word in words if word not in places)], {**outputs, "--json": "result.json"}
+
+    def with_outputs(self, words, outputs, named):
+        """The words of a command with the outputs that it needs, and with those that are named."""
+        needed = {option: name for option, name in outputs.items() if option in self.NEEDED}
+        return [*words, *(word for pair in {**needed, **named}.items() for word in pair)]
+
+    def assert_refused(self, *words, reason=""):
+        with self.subTest(" ".join(words)):
+            before = self.contents()
+            self.assert_fails(cli_test.call(*words, cwd=self.folder), 2, reason)
+            self.assertEqual(self.contents(), before)
+
+    def test_of_every_verb_that_writes(self):
+        self.assertEqual({words[0] for words, _ in self.commands()} | self.NO_WRITERS, set(cli_test.verbs()))
+
+    def test_from_inputs(self):
+        for words, outputs in self.commands():
+            inputs = [word for word in words[1:] if (self.folder / word).exists()]
+            for option, place in itertools.product(outputs, inputs):
+                for name in (place, f"maps/../{place}", *(("link.ply", "hard.ply") if place == "log.ply" else ())):
+                    self.assert_refused(*self.with_outputs(words, outputs, {option: name}), reason="would replace the input")
+
+    def test_from_each_other(self):
+        for words, outputs in self.commands():
+            for one, other in itertools.combinations(outputs, 2):
+                for name in ("twice", "maps/../twice"):
+                    self.assert_refused(*self.with_outputs(words, outputs, {one: "twice", other: name}),
+                                        reason="name the same place")
+
+    def test_from_what_no_option_names(self):
+        fit, site = ["fit", "hard.ply", "-o", "model"], ["annotate", "--ground-spacing", "2", "-o"]
+        self.assertEqual(cli_test.call(*site, "site.json", "--generate", "forest", cwd=self.folder).returncode, 0)
         for words in (
-                [*split, "--train", "c.ply", "--test", "c.ply"],
-                [*split, "--train", "c.ply", "--test", "./c.ply"],
-                [*split, "--train", "c.ply", "--test", "model/../c.ply"],
-                [*split, "--train", "log.ply", "--test", "c.ply"],
-                [*split, "--train", "link.ply", "--test", "c.ply"],
-                [*split, "--train", "hard.ply", "--test", "c.ply"],
-                [*split, "--train", "c.ply", "--test", "d.ply", "--json", "d.ply"],
-                ["optimize", "log.ply", "-o", "log.ply", "--budget", "2"],
-                ["annotate", "labelled.ply", "-o", "labelled.ply"],
-                ["import", "log.csv", "-o", "log.csv"],
-                ["segment", "log.ply", "-o", "log.ply"],
-                ["fit", "log.ply", "-o", "model", "--json", "model/ground.ply"],
-                ["fit", "log.ply", "-o", "model", "--export-splat", "model/model.json"],
-                ["fit", "log.ply", "-o", "m2", "--export-splat", "s.ply", "--export-ground", "s.ply"],
+                [*fit, "--json", "model/ground.ply"],
+                [*fit, "--export-splat", "model/model.json"],
                 ["fit", "log.ply", "-o", "-"],
-                ["simulate", "model", "--like", "log.ply", "-o", "log.ply"],
                 ["simulate", "model", "--like", "log.ply", "-o", "model/ground.ply"],
-                ["simulate", "model", "--like", "log.ply", "-o", "model"],
-                ["extract", "model", "labelled.ply", "-o", "model"],
-                ["compose", "site.json", "primitives", "-o", "primitives"],
-                ["score", "log.ply", "sim.ply", "--json", "sim.ply"],
+                ["optimize", "log.ply", "-o", "c.yaml", "--json", "c.yaml.checkpoint"],
+                [*site, "site.new", "--generate", "--like", "site.json"],  # site.ground is the ground of both
         ):
-            with self.subTest(" ".join(words)):
-                before = self.contents()
-                self.assert_fails(cli_test.call(*words, cwd=self.folder), 2, "")
-                self.assertEqual(self.contents(), before)
+            self.assert_refused(*words)
 
     def test_a_model_that_holds_the_log_is_not_replaced(self):
         os.rename(self.folder / "log.ply", self.folder / "model/log.ply")
-        before = self.contents()
-        self.assert_fails(cli_test.call("fit", "model/log.ply", "-o", "model", cwd=self.folder), 2, "model/log.ply")
-        self.assertEqual(self.contents(), before)
+        self.assert_refused("fit", "model/log.ply", "-o", "model", reason="model/log.ply")
+
+    def test_what_a_run_wrote_is_replaced_by_the_next_one(self):
+        for words, outputs in self.commands():
+            for _ in range(1 if words[0] == "plan" else 2):  # A plan is kept, as what its tasks made.
+                with self.subTest(words[0]):
+                    done = cli_test.call(*self.with_outputs(words, outputs, outputs), cwd=self.folder)
+                    self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_files_of_others_stay_unless_forced(self):
-        (self.folder / "report").mkdir(exist_ok=True)
-        for verb, words in cli_test.JOBS.items():
-            for option in ("-o", "--train", "--report"):
-                if option not in words or verb in ("fit", "rasters", "extract", "meshes", "compose"):
-                    continue
-                with self.subTest(verb):
-                    at = words.index(option) + 1
-                    mine = self.folder / "mine" / "index.html"
-                    mine.parent.mkdir(exist_ok=True)
+        (self.folder / "mine").mkdir()
+        for words, outputs in self.commands():
+            for option, name in outputs.items():
+                mine = self.folder / "mine" / ("index.html" if option == "--report" else name)
+                named = self.with_outputs(words, outputs, {option: "mine" if option == "--report" else f"mine/{name}"})
+                with self.subTest(" ".join(named)):
                     mine.write_text("years")
-                    out = "mine" if option == "--report" else "mine/index.html"
-                    call = [verb, *words[:at], out, *words[at + 1:]]
-                    self.assert_fails(cli_test.call(*call, cwd=self.folder), 4, "--force")
+                    self.assert_fails(cli_test.call(*named, cwd=self.folder), 4, "--force")
                     self.assertEqual(mine.read_text(), "years")
-                    done = cli_test.call(*call, "--force", cwd=self.folder)
-                    if verb not in ("import", "split", "segment", "simulate"):  # .html is no kind of log
-                        self.assertEqual(done.returncode, 0, done.stderr)
-                        self.assertNotEqual(mine.read_bytes(), b"years")
+                    done = cli_test.call(*named, "--force", cwd=self.folder)
+                    folder = option == "-o" and "." not in name
+                    # A checkpoint is read before it is written, and nothing moves in this log.
+                    self.assertEqual(done.returncode, 4 if folder else 3 if option == "--checkpoint" else 0, done.stderr)
+                    kept = folder or option in ("--checkpoint", "--only")
+                    self.assertEqual(mine.read_bytes() == b"years", kept)
 
     def contents(self):
         return {p: p.read_bytes() for p in self.folder.rglob("*") if p.is_file()}

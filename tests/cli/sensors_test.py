@@ -67,11 +67,11 @@ receiver: {pulse_ns: 5, detects: {range_m: 100, reflectance: 0.1}, returns: all,
 """
 
 
-class Footprints(cli_test.OnALog):
+class FittedFootprints(cli_test.OnALog):
     """`fit --sensor` makes the ellipsoids of a log as wide as the matter, without the width of the beam."""
 
     def mean_size(self, *words):
-        done = call("fit", "log.ply", "-o", "model", *words, "--json", "-", cwd=self.folder)
+        done = call("fit", "log.ply", "-o", "model", "--fitter", "hierarchical", *words, "--json", "-", cwd=self.folder)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         path = pathlib.Path(self.folder, "model", "ellipsoids.ply")
         data = path.read_bytes()

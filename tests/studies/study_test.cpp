@@ -63,13 +63,14 @@ TEST(Study, VegetationIsJudgedByTheDefault) {
   const StudyResult found = planes();
   EXPECT_EQ(found.tables.at(0).rows.at(3).at(0), kDefault);  // below the published ones
   EXPECT_EQ(found.checks.at(0).value, distance_on_planes(found, kDefault));
-  EXPECT_EQ(verdict(found.checks), "holds");
+  // A model that is not told the sensor's noise thickens the planes.
+  EXPECT_EQ(verdict(found.checks).rfind("falls short: default on planes, distance: ", 0), 0u);
+  EXPECT_LT(distance_on_planes(found, "default with options"), 0.02);
   // Matter that stands still is the same in all repetitions of a beam, whose spread it lacks.
   const StudyResult still = planes([](elements::Model& model) { model.sway_s = 0; });
-  EXPECT_EQ(verdict(still.checks).rfind("falls short: default on planes, distance: ", 0), 0u);
-  EXPECT_GT(distance_on_planes(still, kDefault), 0.2);
+  EXPECT_GT(distance_on_planes(still, "default with options"), 0.2);
   // The paper's protocol draws it anew, and a model for such logs keeps the limit, too.
-  EXPECT_LT(distance_on_planes(still, "default, anew"), 0.03);
+  EXPECT_LT(distance_on_planes(still, "default with options, anew"), 0.03);
   EXPECT_LT(distance_on_planes(found, "likelihood"), 0.02);
   EXPECT_LT(distance_on_planes(found, "likelihood"),
             1.5 * distance_on_planes(found, "hierarchical"));  // its start

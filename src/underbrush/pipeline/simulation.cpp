@@ -143,6 +143,7 @@ class Simulation::OfSensor {
   }
 
   void answer(size_t first_beam, BeamLog& beams) {
+    const ChannelOffsets offsets = world_.dynamic().model(0).channels_of(beams.info);
     if (adds_support_) {
       beams.extra[simulate::kSupportColumn] = simulate::supports(world_.still(), beams);
     }
@@ -152,11 +153,15 @@ class Simulation::OfSensor {
         cached = simulate::keyframe_answers(world_.dynamic(), thin_, first_beam, beams);
       }
       maker_->answer(first_beam, beams, cached);
-      if (on_waveforms_) on_waveforms_(maker_->take_waveforms());
+      if (on_waveforms_) {
+        std::vector<simulate::BeamWaveform> waveforms = maker_->take_waveforms();
+        simulate::add_offsets(offsets, waveforms);
+        on_waveforms_(std::move(waveforms));
+      }
     } else {
       simulate::simulate(world_.dynamic(), thin_, first_beam, beams);
     }
-    add_offsets(world_.dynamic().model(0).channels_of(beams.info), 1, beams);
+    add_offsets(offsets, 1, beams);
   }
 
   void recognise(BeamSource& log) {

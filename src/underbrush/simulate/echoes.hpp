@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "underbrush/core/beam_log.hpp"
+#include "underbrush/core/channel_offsets.hpp"
 #include "underbrush/keyframes/keyframe_cache.hpp"
 #include "underbrush/radiometry/receiver.hpp"
 #include "underbrush/sensor/beam.hpp"
@@ -53,6 +54,9 @@ struct BeamWaveform {
   std::vector<std::pair<double, double>> signal;  ///< Range (m) and signal; gaps are left out.
   std::vector<double> echo_m;                     ///< Ranges of the echoes.
 };
+
+/// Adds the offset of its ring to all ranges of each waveform, as to those of a log's hits.
+void add_offsets(const ChannelOffsets& offsets, std::vector<BeamWaveform>& waveforms);
 
 /// The options of `EchoMaker`.
 struct EchoOptions {
@@ -113,13 +117,15 @@ class EchoMaker {
   radiometry::Echoes echoes_of(const Request& request, size_t i, const TracedBeams::Beam& beam,
                                Scratch& s, radiometry::Receiver::Way way) const;
   bool returns_enough(const SubReturns& returns, uint64_t key) const;
+  void share_depth(const TracedBeams::Beam& beam, Scratch& s) const;
   Element element_at(float range_m, const SubReturns& returns,
                      std::span<const trace::Intersection> met) const;
   void write(const std::vector<Block>& blocks, BeamLog& beams) const;
 
   const DynamicWorld& world_;
   const Reflection& reflection_;
-  const Instrument& instrument_;
+  Instrument
+      instrument_;  ///< Its sub-rays are in order from the axis outwards, if it has a fitted beam.
   EchoOptions options_;
   SubRayTracer tracer_;
   radiometry::Receiver receiver_;
