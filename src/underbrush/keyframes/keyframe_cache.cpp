@@ -83,6 +83,7 @@ std::vector<uint32_t> KeyframeCache::nearest_candidates(std::span<const Vec3> or
   const Vec3 middle = 0.5 * (low + high) - model_.origin;
   const auto distance = [&](uint32_t f) { return (keyframes_->frames[f].origin - middle).norm(); };
   std::vector<double> distances;
+  distances.reserve(out.size());
   for (const uint32_t f : out) distances.push_back(distance(f));
   std::nth_element(distances.begin(), distances.begin() + Keyframes::kFrames - 1, distances.end());
   // From no place in the box is one of them farther than this, or another one nearer. The last
@@ -96,11 +97,11 @@ KeyframeCache::Near KeyframeCache::near(const Vec3& origin, std::span<const uint
                                         double least_m, uint32_t except) const {
   Near out;
   const Vec3 at = origin - model_.origin;
-  constexpr double most = Keyframes::kDistances.back();
+  constexpr double kFarthestM = Keyframes::kDistances.back();
   double first = HUGE_VAL, second = HUGE_VAL;
   for (const uint32_t f : among) {
     const double d = (keyframes_->frames[f].origin - at).squaredNorm();
-    if (f == except || d < least_m * least_m || d > most * most) continue;
+    if (f == except || d < least_m * least_m || d > kFarthestM * kFarthestM) continue;
     if (d < first) {
       out.frame = {f, out.frame[0]};
       second = first;
