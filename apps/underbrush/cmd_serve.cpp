@@ -59,13 +59,14 @@ void add_serve(Program& program) {
       add_verb(program, "Start", "serve", "Show logs, models, scenes and scores in the browser",
                "underbrush serve log.ply model/\n"
                "  underbrush serve folder/\n"
-               "  underbrush serve log.ply --labels work/",
+               "  underbrush serve log.ply world/ edits.json --labels work/",
                [a](const Verb& v) { run(v, *a); });
   CLI::App& app = verb->app;
   app.add_option(
          "PATH", a->paths,
          "Logs, scores (score --json), folders of models, scenes, worlds of regions or sets of "
-         "primitives, or folders of these. A world is read as a whole; no other file is read")
+         "primitives, or folders of these, and a list of edits of actors. A world is read as a "
+         "whole; no other file is read")
       ->required();
   verb->not_of_result(app.add_option("--port", a->port, "Port of this machine; 0 = a free one")
                           ->check(CLI::Range(0, 65535))

@@ -59,7 +59,8 @@ class ServeActors(unittest.TestCase):
         for told, (t, x, y, z, qx, qy, qz, qw) in zip(self.poses()[0], rows, strict=True):
             for a, b in zip(told, (t, x - origin[0], y - origin[1], z - origin[2], qw, qx, qy, qz)):
                 self.assertAlmostEqual(a, b, delta=1e-9)
-        self.assertEqual(self.actors(file=SCENE), {"editable": False, "actors": []})
+        still = self.actors(file=SCENE)
+        self.assertEqual((still["editable"], still["actors"], still["list"]["edits"]), (False, [], []))
         self.assertEqual(self.request("actors", file=LOG)[0], 400)
 
     def test_edits_are_applied_in_their_order(self):
@@ -101,6 +102,48 @@ class ServeActors(unittest.TestCase):
             time.sleep(0.1)
         self.assertEqual(states[job["number"]], "done")
         self.assertTrue(beams_of(self.folder / "work/job.ply") == scans["edited.ply"], "the job gives other bits")
+
+    def test_what_is_written_opens_again(self):
+        """A list that was written, opened, and written again is the same to the byte, comments and numbers included."""
+        edits = [{"edit": "move", "actor": "other-1", "translation_m": [1e-7, -0.353, 1e21], "yaw_rad": 3.141592653589793},
+                 {"edit": "delay", "actor": "other-1", "by_s": 0.1, "comment": "late"}]
+        written = None
+        for name in ("first.json", "again.json"):
+            sent = json.dumps(edits) if written is None else json.dumps({**json.loads(written), "comment": "mine"})
+            status, reply = self.request("actors", file=ACTORS, edits=sent, name=name)
+            self.assertEqual((status, reply["list"]["edits"]), (200, edits), reply)
+            sent = json.dumps({**reply["list"], "comment": "mine"})
+            status, reply = self.request("actors/write", "POST", file=ACTORS, name=name, edits=sent)
+            self.assertEqual(status, 200, reply)
+            text = (self.folder / "work" / name).read_bytes()
+            self.assertTrue(written in (None, text), "the file has other bytes")
+            written = text
+        server = serving.Server(self.folder, "model", "work/first.json", words=("--labels", "other"))
+        try:
+            told = server.json_of("api/files")
+            self.assertEqual([f["name"] for f in told["files"]], ["model", "actors"])
+            self.assertEqual(told["edits"], {"file": 1, "list": json.loads(written)})
+        finally:
+            server.end()
+
+    def test_a_list_that_cannot_be_opened_names_its_entry(self):
+        """In one line: the file, the entry and the reason, from the page and on the command line."""
+        whole = {"format": "underbrush-actor-edits", "version": 1, "actors": "actors", "edits": []}
+        remove, delay = {"edit": "remove", "actor": "other-1"}, {"edit": "delay", "actor": "other-1", "by_s": 1}
+        for change, reason in (({"edits": [remove, remove]}, "edits[1].actor: there is no such actor: 'other-1'"),
+                               ({"edits": [{"edit": "delay", "actor": "other-1"}]}, "edits[0]: has no member 'by_s'"),
+                               ({"edits": [delay, {"edit": "model", "actor": "other-1", "model": "model"}]}, "edits[1] names a file"),
+                               ({"version": 2}, "version"), ({"format": "other"}, "format: not a list of edits"),
+                               ({"author": "me"}, "unknown member 'author'"), ({"edits": 3}, "edits")):
+            with self.subTest(change=change):
+                status, reply = self.request("actors", file=ACTORS, edits=json.dumps({**whole, **change}), name="bad.json")
+                self.assertIn(status, (400, 422))
+                self.assertTrue(reply["error"].startswith("bad.json: ") and reason in reply["error"], reply)
+                (self.folder / "bad.json").write_text(json.dumps({**whole, **change}), encoding="utf-8")
+                done = cli_test.call("serve", "model", "bad.json", cwd=self.folder)
+                self.assertEqual(done.returncode, 3, done.stderr)
+                self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+                self.assertTrue("bad.json: " in done.stderr and reason in done.stderr, done.stderr)
 
     def test_what_cannot_be_is_refused(self):
         nobody = {"edit": "remove", "actor": "nobody"}

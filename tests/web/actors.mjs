@@ -1,4 +1,6 @@
 // Steps of browser.mjs about actors: the list, times, edits, dragging, and boxes in scans that become tracks.
+import { readdirSync, readFileSync } from 'node:fs';
+import { join } from 'node:path';
 import { end, startServer } from './labels.mjs';
 
 const fact = (page, name) => page.evaluate((n) => document.documentElement.dataset[n] ?? '', name);
@@ -24,7 +26,7 @@ async function setTime(page, time) {
 }
 
 /** Plays, edits and drags actors, and simulates what was edited. */
-export async function editActors({ page, expect, ready, accessible, picture, program, folder }) {
+export async function editActors({ page, expect, ready, accessible, picture, program, folder, complaints }) {
   const server = await startServer(program, folder, 'log.ply', 'model', 'actors', '--labels', 'work');
   const press = (key) => page.locator('#view').press(key);
   await page.goto(server.address);
@@ -143,6 +145,68 @@ export async function editActors({ page, expect, ready, accessible, picture, pro
   expect(/simulate done/.test(await fact(page, 'jobs')), await fact(page, 'jobs'));
   expect(/--actors \S*edits-\w+\.json/.test(await page.locator('.jobs').innerText()), 'the command line names the edits');
 
+  // What was written opens again, by the file picker and by a drop, and is written again to the same bytes.
+  const status = (pattern) => page.waitForFunction((p) => new RegExp(p).test(document.querySelector('#status').innerText), pattern);
+  const written = () => readdirSync(join(folder, 'work')).filter((f) => /^edits-.*json$/.test(f)).map((f) => join(folder, 'work', f));
+  const [first] = written();
+  const standing = async () => JSON.stringify(Object.entries(await places(page)).map(([name, place]) => [name, place?.at]));
+  const placed = await standing();
+  const openDropped = async (name, text) => {
+    const dropped = await page.evaluateHandle(([n, t]) => {
+      const data = new DataTransfer();
+      data.items.add(new File([t], n, { type: 'application/json' }));
+      return data;
+    }, [name, text]);
+    await page.dispatchEvent('#view', 'drop', { dataTransfer: dropped });
+  };
+  for (const open of [() => page.getByLabel('File of edits').setInputFiles(first), () => openDropped('mine.json', readFileSync(first, 'utf8'))]) {
+    for (let k = 3; k > 0; --k) {
+      await button('Undo').click();
+      await waitFor(page, 'edits', `${k - 1}`);
+    }
+    expect((await standing()) !== placed, 'without its edits the actor is elsewhere');
+    await open();
+    await status('^Opened: (edits-.*|mine)[.]json, edits of [.][.]/actors$');
+    await waitFor(page, 'edits', '3');
+    expect((await standing()) === placed, 'the actors are where they were when the edits were written');
+    expect((await page.getByLabel('Edits', { exact: true }).innerText()) === '3 edits', 'no edit is taken back');
+    await button('Undo').click();
+    await waitFor(page, 'edits', '2');
+    await button('Redo').click();
+    await waitFor(page, 'edits', '3');
+    const before = written();
+    await page.waitForTimeout(1100); // names differ by the second
+    await button('Write edits').click();
+    await status('^Written: ');
+    const [again] = written().filter((f) => !before.includes(f));
+    expect(readFileSync(again).equals(readFileSync(first)), 'what was opened is written to the same bytes');
+  }
+  const list3 = JSON.parse(readFileSync(first, 'utf8'));
+  for (const [text, told] of [
+    [JSON.stringify({ ...list3, edits: [...list3.edits, { edit: 'remove', actor: 'nobody' }] }), "bad.json: edits\\[3\\].actor: there is no such actor: 'nobody'"],
+    [JSON.stringify({ ...list3, version: 2 }), 'bad.json: version'],
+    ['{"edits"', 'bad.json: not a list of edits'],
+    ['', 'bad.json: not a list of edits'],
+    [JSON.stringify({ ...list3, comment: 'x'.repeat(20000) }), 'bad.json: more edits than a request has room for'],
+  ]) {
+    await openDropped('bad.json', text);
+    await status(`^${told}`);
+    expect((await fact(page, 'edits')) === '3' && (await standing()) === placed, 'what cannot be opened changes nothing');
+  }
+  const refused = complaints.splice(0); // what the browser itself says of refused requests
+  expect(refused.length === 4 && refused.every((c) => /status of (400|422)/.test(c)), `the console: ${refused.join('; ')}`);
+
+  // Edits that were not written are lost only if a person says so.
+  await button('Turn round').click();
+  await waitFor(page, 'edits', '4');
+  page.once('dialog', (dialog) => dialog.dismiss());
+  await page.getByLabel('File of edits').setInputFiles(first);
+  await page.waitForTimeout(200);
+  expect((await fact(page, 'edits')) === '4', 'they stay');
+  page.once('dialog', (dialog) => dialog.accept());
+  await page.getByLabel('File of edits').setInputFiles(first);
+  await waitFor(page, 'edits', '3');
+
   // A box that is carried on is a track.
   await page.getByLabel('File for boxes').selectOption({ label: 'log.ply' });
   await waitFor(page, 'saved', 'yes');
@@ -160,5 +224,16 @@ export async function editActors({ page, expect, ready, accessible, picture, pro
   await accessible('tracks');
   await press('7');
   await waitFor(page, 'saved', 'yes');
+
+  // A server that is started with a list begins with its edits.
+  const second = await startServer(program, folder, 'log.ply', first);
+  await page.goto(second.address);
   await end(server, 'SIGINT');
+  await ready();
+  await waitFor(page, 'edits', '3');
+  await setTime(page, 0.081);
+  expect((await standing()) === placed, `the actors of the list are at ${await standing()}`);
+  await ready();
+  await page.goto('about:blank');
+  await end(second, 'SIGINT');
 }

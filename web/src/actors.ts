@@ -1,6 +1,6 @@
 // What moves in a scene: a list, replay along the time bar, and edits that `simulate --actors` takes.
 import { BufferGeometry, Group, Line, LineBasicMaterial, Quaternion, Vector3 } from 'three';
-import { type Actor, type ActorEdit, type ActorPart, json, post, query, type TimedPose } from './api';
+import { type Actor, type ActorEdit, type ActorPart, type EditList, json, post, query, type TimedPose } from './api';
 import type { App } from './context';
 import type { JobsPanel } from './jobs';
 import type { Action } from './keys';
@@ -13,6 +13,18 @@ import type { World } from './world';
 const REACH_PX = 40;
 const DRAGS = ['all of its path', 'its path for 1 s', 'its path for 3 s'] as const;
 const WITHIN_S = { 'all of its path': null, 'its path for 1 s': 1, 'its path for 3 s': 3 };
+
+/** The most characters of a list of edits in a request, whose head has 16 KiB. */
+const MOST_TEXT = 15000;
+
+/** JSON without spaces; text that is none stays what it is, unless it is empty. */
+function shortest(text: string): string {
+  try {
+    return JSON.stringify(JSON.parse(text));
+  } catch {
+    return text || 'null';
+  }
+}
 
 interface Placed {
   at: Vector3;
@@ -46,7 +58,9 @@ export class Actors {
   private world: World | null = null;
   private editable = false;
   private actors: Actor[] = [];
-  private edits: ActorEdit[] = [];
+  private edits: EditList = { actors: '', edits: [] };
+  /** The edits that a file holds, as text. */
+  private filed = '[]';
   private undone: ActorEdit[] = [];
   private chosen = '';
   private readonly list = el('select', { 'aria-label': 'Actors', size: '5' });
@@ -92,6 +106,18 @@ export class Actors {
       drags.row,
       this.told,
     );
+    const file = el('input', { type: 'file', accept: '.json', hidden: '', 'aria-label': 'File of edits' });
+    file.addEventListener('change', () => {
+      if (file.files?.[0]) app.run(this.openList(file.files[0]));
+      file.value = '';
+    });
+    this.section.append(file, el('div', { class: 'buttons' }, button('Open edits', 'Open a file of edits; it can be dropped on the page, too', () => file.click())));
+    window.addEventListener('dragover', (e) => e.preventDefault());
+    window.addEventListener('drop', (e) => {
+      e.preventDefault();
+      const dropped = e.dataTransfer?.files[0];
+      if (dropped) app.run(this.openList(dropped));
+    });
     if (jobs) {
       this.section.append(
         el(
@@ -119,10 +145,11 @@ export class Actors {
     const world = [...this.app.viewer.worlds].find((w) => w.group.visible && w.moves) ?? null;
     if (world === this.world) return;
     this.world = world;
-    [this.edits, this.undone, this.actors] = [[], [], []];
+    [this.edits, this.undone, this.actors, this.filed] = [{ actors: '', edits: [] }, [], [], '[]'];
     const { edits } = this.app.state;
-    const kept = edits && edits.file === world?.file.id ? edits.list : [];
-    if (world) await this.fetch(kept).catch(() => this.fetch([])); // where the actors are others than those of the link
+    const kept = edits && edits.file === world?.file.id ? JSON.stringify(edits.list) : '';
+    // The actors may be others than those of the link.
+    if (world) await this.fetch(kept).catch((error: unknown) => (this.app.fail(error), this.fetch('')));
     if (world) {
       for (const pose of this.actors.flatMap((a) => a.parts.flatMap((part) => part.poses))) {
         world.bounds.expandByPoint(placed(pose).at.add(world.group.position));
@@ -133,23 +160,39 @@ export class Actors {
     this.show();
   }
 
-  /** Asks the server what moves with these edits. */
-  private async fetch(edits: ActorEdit[]): Promise<void> {
+  /** Asks the server what moves with a list of edits, which is that of a file if it has a name. */
+  private async fetch(edits: string, name = ''): Promise<void> {
     const world = this.world!;
-    const text = edits.length > 0 ? JSON.stringify(edits) : '';
-    const reply = await json<{ editable: boolean; actors: Actor[] }>(`actors?${query({ file: world.file.id, edits: text })}`);
+    if (encodeURIComponent(edits).length > MOST_TEXT) throw new Error(`${name || 'edits'}: more edits than a request has room for`);
+    const reply = await json<{ editable: boolean; list: EditList; actors: Actor[] }>(`actors?${query({ file: world.file.id, edits, name })}`);
     if (world !== this.world) return;
-    this.actors = reply.actors;
-    this.editable = reply.editable;
-    this.edits = edits;
-    this.app.state.edits = edits.length > 0 ? { file: world.file.id, list: edits } : null;
+    ({ actors: this.actors, editable: this.editable, list: this.edits } = reply);
+    const begun = this.app.list.edits?.file === world.file.id;
+    this.app.state.edits = begun || this.edits.edits.length > 0 ? { file: world.file.id, list: this.edits } : null;
+  }
+
+  /** The edits as text. */
+  private text(): string {
+    return JSON.stringify(this.edits.edits);
+  }
+
+  /** Opens a file of edits in place of the edits so far. */
+  private async openList(file: File): Promise<void> {
+    await this.queue;
+    if (!this.world || !this.editable) throw new Error('Show a folder of actors, in which all moves, first');
+    if (![this.filed, '[]'].includes(this.text()) && !confirm('The edits so far were not written. Open others in their place?')) return;
+    await this.fetch(shortest(await file.text()), file.name);
+    this.undone = [];
+    this.filed = this.text();
+    this.show();
+    this.app.tell(`Opened: ${file.name}, edits of ${this.edits.actors}`);
   }
 
   /** Changes the list of edits once all changes before are done; `next` returns null for no change. */
   private change(next: () => ActorEdit[] | null): void {
     const work = this.queue.then(async () => {
       const edits = next();
-      if (edits && this.world) await this.fetch(edits);
+      if (edits && this.world) await this.fetch(JSON.stringify({ ...this.edits, edits }));
     });
     this.queue = work.catch(() => {});
     this.app.run(work.finally(() => this.show()));
@@ -160,7 +203,7 @@ export class Actors {
     if (this.chosen === '') return this.app.tell('Choose an actor first');
     this.change(() => {
       this.undone = [];
-      return [...this.edits, edit];
+      return [...this.edits.edits, edit];
     });
   }
 
@@ -175,16 +218,16 @@ export class Actors {
 
   private undo(): void {
     this.change(() => {
-      const last = this.edits.at(-1);
+      const last = this.edits.edits.at(-1);
       if (last) this.undone.push(last);
-      return last ? this.edits.slice(0, -1) : null;
+      return last ? this.edits.edits.slice(0, -1) : null;
     });
   }
 
   private redo(): void {
     this.change(() => {
       const next = this.undone.pop();
-      return next ? [...this.edits, next] : null;
+      return next ? [...this.edits.edits, next] : null;
     });
   }
 
@@ -193,6 +236,7 @@ export class Actors {
     await this.queue;
     const name = this.jobs!.freshName('edits', '.json');
     const reply = await post<{ path: string }>('actors/write', { file: this.world.file.id, name, edits: JSON.stringify(this.edits) });
+    this.filed = this.text();
     this.app.tell(`Written: ${reply.path}`);
     return name;
   }
@@ -258,9 +302,9 @@ export class Actors {
     this.facts.replaceChildren(
       ...(actor ? [facts([['returns', number(actor.returns)], ['scans', number(actor.scans)], ['there for, s', seconds(actor)]])] : []),
     );
-    this.told.textContent = `${this.edits.length} edits${this.undone.length > 0 ? `, ${this.undone.length} taken back` : ''}`;
+    this.told.textContent = `${this.edits.edits.length} edits${this.undone.length > 0 ? `, ${this.undone.length} taken back` : ''}`;
     root.dataset.actors = `${this.actors.length}`;
-    root.dataset.edits = `${this.edits.length}`;
+    root.dataset.edits = `${this.edits.edits.length}`;
     this.paths.clear();
     this.paths.visible = this.world !== null; // where it is empty, the picture needs no depth
     if (this.world) {

@@ -19,6 +19,8 @@ export interface FileList {
   /** Whether labels can be edited, and commands be started. */
   labels: boolean;
   jobs: boolean;
+  /** The list of edits that the server was started with. */
+  edits?: GivenEdits;
 }
 
 export interface OctreeFacts {
@@ -106,6 +108,18 @@ export interface ActorEdit {
   within_s?: number;
   by_s?: number;
   as?: string;
+}
+
+/** The content of a file of edits (share/schemas/actor-edits.json). */
+export interface EditList {
+  actors: string;
+  edits: ActorEdit[];
+}
+
+/** Edits of the actors of a file. */
+export interface GivenEdits {
+  file: number;
+  list: EditList;
 }
 
 export interface Beam {

@@ -23,6 +23,8 @@ const viewer = new Viewer(byId<HTMLCanvasElement>('view'), (picked) => void pick
 const list = await json<FileList>('files');
 const files = new Files(list.files, viewer, (text) => (byId('status').textContent = text));
 const shown = new Set(state.shown ?? list.files.filter((f) => f.kind !== 'score').slice(0, 2).map((f) => f.id));
+state.edits ??= list.edits ?? null;
+if (state.edits && !state.shown) shown.add(state.edits.file);
 const app = new App(list, state, viewer, files, shown);
 const picking = new Picking(app);
 const menu = new Menu(app, picking.actions);

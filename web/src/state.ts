@@ -1,5 +1,5 @@
 // What a link restores: the view, what is shown, and how. It stands behind the # of the address.
-import type { ActorEdit } from './api';
+import type { GivenEdits } from './api';
 import { MAPS, type MapName } from './colours';
 import { POINT_MODES, type PointMode, type Slice, WORLD_MODES, type WorldMode } from './display';
 import { type Drawer, DRAWERS } from './points-layer';
@@ -24,8 +24,7 @@ export interface State {
   legend: boolean;
   slice: Slice;
   theme: 'dark' | 'light' | '';
-  /** Edits of the actors of a file. */
-  edits: { file: number; list: ActorEdit[] } | null;
+  edits: GivenEdits | null;
 }
 
 export function initialState(): State {
@@ -73,7 +72,7 @@ export function stateOf(hash: string): State {
     choose('map', MAPS);
     choose('elementMap', MAPS);
     choose('drawer', DRAWERS);
-    if (Number.isInteger(given.edits?.file) && Array.isArray(given.edits?.list)) state.edits = given.edits;
+    if (Number.isInteger(given.edits?.file) && Array.isArray(given.edits?.list?.edits)) state.edits = given.edits;
     if (given.slice && typeof given.slice === 'object') state.slice = { ...state.slice, ...given.slice };
   } catch {
     // not one of our links

@@ -18,10 +18,15 @@ bool is_named(const std::vector<Actor>& actors, const std::string& name) {
   return std::ranges::find(actors, name, &Actor::name) != actors.end();
 }
 
+void check_named(const std::vector<Actor>& actors, const std::string& name) {
+  if (!is_named(actors, name))
+    throw std::invalid_argument("there is no such actor: " + in_quotes(name));
+}
+
 /// Changes each actor of a name.
 template <class Change>
 void change(std::vector<Actor>& actors, const std::string& name, Change&& change_one) {
-  require(is_named(actors, name), "there is no such actor");
+  check_named(actors, name);
   for (Actor& a : actors) {
     if (a.name == name) change_one(a);
   }
@@ -111,10 +116,16 @@ void apply(const io::JsonValue& edit, std::vector<Actor>& actors) {
   }
 }
 
+io::JsonValue list_in(const io::JsonFile& json) {
+  const io::JsonValue j = json.manifest("underbrush-actor-edits", 1, "a list of edits of actors");
+  j.check_members({"$schema", "format", "version", "comment", "actors", "edits"});
+  return j;
+}
+
 }  // namespace
 
 void remove_actor(std::vector<Actor>& actors, const std::string& name) {
-  require(is_named(actors, name), "there is no such actor");
+  check_named(actors, name);
   std::erase_if(actors, [&](const Actor& a) { return a.name == name; });
 }
 
@@ -179,15 +190,14 @@ void replace_model(std::vector<Actor>& actors, const std::string& name, elements
                 [&](const Actor& a) { return a.name == name && !std::exchange(is_first, false); });
 }
 
-void apply_edits(std::vector<Actor>& actors, const std::string& edits, const fs::path& place) {
-  const io::JsonFile json(place, edits);
-  for (const io::JsonValue& edit : json.root().values()) apply(edit, actors);
+void apply_edits(std::vector<Actor>& actors, const std::string& list, const fs::path& place) {
+  const io::JsonFile json(place, list);
+  for (const io::JsonValue& edit : list_in(json).at("edits").values()) apply(edit, actors);
 }
 
 std::vector<Actor> read_edited_actors(const fs::path& file) {
   const io::JsonFile json(file);
-  const io::JsonValue j = json.manifest("underbrush-actor-edits", 1, "a list of edits of actors");
-  j.check_members({"$schema", "format", "version", "comment", "actors", "edits"});
+  const io::JsonValue j = list_in(json);
   const fs::path folder = j.at("actors").path(true);
   if (!fs::is_directory(folder)) j.at("actors").fail("there is no such folder");
   std::vector<Actor> actors;

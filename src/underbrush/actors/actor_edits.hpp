@@ -32,9 +32,10 @@ void redirect_actor(std::vector<Actor>& actors, const std::string& name,
 /// of several actors becomes one, from the first to the last of their times.
 void replace_model(std::vector<Actor>& actors, const std::string& name, elements::Model model);
 
-/// Applies a list of edits in its order: JSON like the member `edits` of a file of edits. Errors
-/// name it `place`, from where paths are seen. Throws `FormatError`.
-void apply_edits(std::vector<Actor>& actors, const std::string& edits,
+/// Applies the edits of a list, the content of a file of edits, in their order, to other actors
+/// than those of the folder that it names. Errors name it `place`, from where paths are seen.
+/// Throws `FormatError`.
+void apply_edits(std::vector<Actor>& actors, const std::string& list,
                  const std::filesystem::path& place);
 /// Reads a list of edits: JSON after the schema share/schemas/actor-edits.json, with the folder of
 /// the actors and the edits, which are applied in their order. Throws `FormatError` with the place

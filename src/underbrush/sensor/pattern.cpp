@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
@@ -66,6 +67,12 @@ size_t PatternSource::beams_before(double time_s) const {
 
 void PatternSource::start_spinning() {
   order_ = sensor_.firing_order();
+  std::map<std::pair<double, double>, size_t> first_as;
+  for (size_t k = 0; k < order_.size(); ++k) {
+    const Channel& c = sensor_.channels[order_[k]];
+    as_.push_back(first_as.try_emplace({c.time_s, c.azimuth_rad}, k).first->second);
+    raised_.push_back(unit_vector(0, c.elevation_rad));
+  }
   firings_ = firings_before(end_s_);
   size_ = beams_before(end_s_);
   if (firings_ == 0) return;
@@ -105,6 +112,7 @@ void PatternSource::fire(size_t firing, size_t at, BeamLog& chunk) const {
   const size_t packet = (firing - first_firing(sensor_, turn)) / size_t(sensor_.firings_per_packet);
   double posed_at = -1;
   Pose world_from_sensor;
+  std::vector<Vec3> level(order_.size());  // directions of elevation 0
   for (size_t k = 0; k < order_.size() && at + k < chunk.size(); ++k) {
     const Channel& c = sensor_.channels[order_[k]];
     const double t = t0 + c.time_s, turns = t * sensor_.rate_hz;
@@ -112,7 +120,9 @@ void PatternSource::fire(size_t firing, size_t at, BeamLog& chunk) const {
     posed_at = t;
     const double azimuth = sensor_.start_azimuth_rad + c.azimuth_rad +
                            sensor_.turn() * 2 * M_PI * (turns - std::floor(turns));
-    const Vec3 d = world_from_sensor.rotation * unit_vector(azimuth, c.elevation_rad);
+    level[k] = as_[k] == k ? unit_vector(azimuth, 0) : level[as_[k]];
+    const Vec3 d = world_from_sensor.rotation * Vec3(raised_[k].x() * level[k].x(),
+                                                     raised_[k].x() * level[k].y(), raised_[k].z());
     chunk.origin[at + k] = world_from_sensor * Vec3(0, 0, c.z_m);
     chunk.direction[at + k] = d.cast<float>();
     chunk.time_s[at + k] = start_s_ + t;

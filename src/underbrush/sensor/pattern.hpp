@@ -51,6 +51,10 @@ class PatternSource : public SeekableSource {
   size_t chunk_size_, firings_ = 0, size_ = 0;
   size_t firing_ = 0;  ///< The next firing, or the next shot.
   std::vector<uint16_t> order_;
+  // By place in `order_`: the first place with the same time and azimuth, and the beam at azimuth
+  // 0.
+  std::vector<size_t> as_;
+  std::vector<Vec3> raised_;
   std::vector<uint64_t> first_shot_;  ///< The first shot of each scan from `first_scan_` on.
   uint64_t first_scan_ = 0;
   LogInfo info_;

@@ -6,6 +6,7 @@
 
 #include "underbrush/actors/actor_edits.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/file.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/json_text.inl"
 #include "underbrush/serve/json_reply.inl"
@@ -13,17 +14,26 @@
 namespace underbrush::serve {
 namespace {
 
-// A list of edits, none of which names a file.
-Json checked(const std::string& edits) {
-  if (edits.empty()) return Json::array();
-  std::optional<Json> list = io::json_if_valid(edits);
-  require(list && list->is_array(), "edits are a JSON list");
-  for (const Json& edit : *list) {
-    const bool names_file =
-        edit.is_object() && (edit.contains("trajectory") || edit.contains("model"));
-    require(!names_file, "edits of a request name no files");
+constexpr const char* kEdits = "edits";
+
+// The content of a file of edits, none of which names another file: `text` itself, or with `text`
+// as its edits. Errors name it `place`.
+Json list_of(const std::string& text, const std::string& place) {
+  const auto check = [&](bool ok, const std::string& what) {
+    if (!ok) throw std::invalid_argument(place.empty() ? what : place + ": " + what);
+  };
+  std::optional<Json> given = text.empty() ? Json::array() : io::json_if_valid(text);
+  if (given && given->is_array()) {
+    given = {
+        {"format", "underbrush-actor-edits"}, {"version", 1}, {"actors", "."}, {"edits", *given}};
   }
-  return *std::move(list);
+  check(given && given->is_object() && given->contains("format"), "not a list of edits of actors");
+  size_t number = 0;
+  for (const Json& edit : given->value("edits", Json::array())) {
+    check(!edit.is_object() || !(edit.contains("trajectory") || edit.contains("model")),
+          "edits[" + std::to_string(number++) + "] names a file, which edits on the page do not");
+  }
+  return *std::move(given);
 }
 
 // What moves in a scene, without the models.
@@ -32,20 +42,17 @@ std::vector<actors::Actor> moving(const WorldData& world) {
   std::vector<actors::Actor> out;
   for (const elements::Mover& m : info.movers) {
     const uint32_t model = world.scene().instances[m.instance].model;
-    out.push_back({info.names[model],
-                   elements::class_name(info, info.labels[m.instance]),
-                   {},
-                   m.world_from_object,
-                   m.from_s,
-                   m.to_s,
-                   m.instance});
+    const std::string label = elements::class_name(info, info.labels[m.instance]);
+    out.push_back(
+        {info.names[model], label, {}, m.world_from_object, m.from_s, m.to_s, m.instance});
   }
   return out;
 }
 
-std::vector<actors::Actor> edited(const WorldData& world, const Json& edits) {
+std::vector<actors::Actor> edited(const WorldData& world, const Json& list,
+                                  const std::string& place) {
   std::vector<actors::Actor> out = moving(world);
-  actors::apply_edits(out, text_of(edits), "edits");
+  actors::apply_edits(out, text_of(list), place);
   return out;
 }
 
@@ -78,11 +85,13 @@ Json learnt(const Json& provenance, const std::string& name) {
 
 }  // namespace
 
-std::string actors_json(const WorldData& world, const std::string& edits) {
-  const std::vector<actors::Actor> list = edited(world, checked(edits));
+std::string actors_json(const WorldData& world, const std::string& edits,
+                        const std::string& place) {
+  const Json given = list_of(edits, place);
+  const std::vector<actors::Actor> list = edited(world, given, place);
   const elements::SceneInfo& info = world.info();
   const Json provenance = io::json_if_valid(info.provenance).value_or(Json::object());
-  Json j{{"editable", all_moves(world)}, {"actors", Json::array()}};
+  Json j{{"editable", all_moves(world)}, {"list", given}, {"actors", Json::array()}};
   for (const std::string& name : actors::names_of(list)) {
     Json actor{{"name", printable(name)}};
     for (const actors::Actor& a : list) {
@@ -107,13 +116,19 @@ void write_edits(const std::filesystem::path& path, const OpenedFile& scene, con
                  const std::string& edits) {
   require(scene.kind == FileKind::kScene && all_moves(world),
           "only a folder of actors, in which all moves, can be edited");
-  const Json list = checked(edits);
-  edited(world, list);
-  const Json j{{"format", "underbrush-actor-edits"},
-               {"version", 1},
-               {"actors", scene.path.lexically_relative(path.parent_path()).string()},
-               {"edits", list}};
-  io::write_atomically(path, io::text_of_json(j, 1) + "\n");
+  Json list = list_of(edits, kEdits);
+  edited(world, list, kEdits);
+  list["actors"] = scene.path.lexically_relative(path.parent_path()).string();
+  io::write_atomically(path, io::text_of_json(list, 1) + "\n");
+}
+
+GivenEdits read_edits(const std::filesystem::path& file) try {
+  actors::read_actors(file);
+  const Json list = list_of(read_file(file), "");
+  const std::string folder = list.at("actors");
+  return {std::filesystem::canonical(file.parent_path() / folder), text_of(list)};
+} catch (const std::invalid_argument& e) {
+  throw FormatError(file.string(), "", e.what());
 }
 
 }  // namespace underbrush::serve

@@ -9,15 +9,20 @@
 
 namespace underbrush::serve {
 
-/// Describes what moves in a scene as JSON, after edits (a JSON list, or "" for none): for each
-/// name the class, what was learnt of it, and its parts with their poses relative to the origin.
-/// Throws `FormatError` for edits that cannot be applied, and `std::invalid_argument` for those
-/// that name files.
-std::string actors_json(const WorldData& world, const std::string& edits);
+/// Describes what moves in a scene as JSON, after edits: for each name the class, what was learnt
+/// of it, and its parts with their poses relative to the origin; and in `list` the edits as the
+/// content of a file. `edits` is such a content, or a JSON list of edits, or "" for none. Errors
+/// name it `place`: `FormatError` for edits that cannot be applied, and `std::invalid_argument` for
+/// those that name files.
+std::string actors_json(const WorldData& world, const std::string& edits, const std::string& place);
 
 /// Writes edits of the actors of `scene` as a file that `actors::read_actors` reads, if they can be
 /// applied and nothing in the scene stands still. Throws as `actors_json` does, and `IoError`.
 void write_edits(const std::filesystem::path& path, const OpenedFile& scene, const WorldData& world,
                  const std::string& edits);
+
+/// Reads a list of edits. Throws as `actors::read_actors` does, and `std::invalid_argument` for
+/// edits that name files.
+GivenEdits read_edits(const std::filesystem::path& file);
 
 }  // namespace underbrush::serve

@@ -33,7 +33,8 @@ constexpr const char* kBytes = "application/octet-stream";
 struct Api::Impl {
   using Answer = HttpReply (Impl::*)(const HttpRequest&);
 
-  Impl(OpenedFiles opened, ApiOptions given) : options(std::move(given)), notes(opened.notes) {
+  Impl(OpenedFiles opened, ApiOptions given)
+      : options(std::move(given)), notes(opened.notes), edits(opened.edits) {
     for (OpenedFile& file : opened.files) files.push_back(std::move(file));
     if (options.labels.empty()) return;
     const ServedFiles served{
@@ -93,6 +94,10 @@ struct Api::Impl {
     j["seed"] = options.seed;
     j["labels"] = labels != nullptr;
     j["jobs"] = jobs != nullptr;
+    if (!edits.list.empty()) {
+      const auto edited = std::ranges::find(files, edits.actors, &OpenedFile::path);
+      j["edits"] = {{"file", edited - files.begin()}, {"list", Json::parse(edits.list)}};
+    }
     j["sensors"] = Json::array();
     for (const sensor::CatalogueEntry& entry : sensor::catalogue()) {
       j["sensors"].push_back(std::string(entry.name));
@@ -187,7 +192,9 @@ struct Api::Impl {
     return {200, "application/json", world_of(request).json()};
   }
   HttpReply actors(const HttpRequest& request) {
-    return {200, "application/json", actors_json(world_of(request), Query(request).text("edits"))};
+    const Query query(request);
+    const std::string name = query.has("name") ? printable(query.text("name"), 80) : "edits";
+    return {200, "application/json", actors_json(world_of(request), query.text("edits"), name)};
   }
   HttpReply write_actors(const HttpRequest& request) {
     const Query query(request);
@@ -223,6 +230,7 @@ struct Api::Impl {
 
   ApiOptions options;
   std::vector<std::string> notes;
+  GivenEdits edits;
   std::mutex mutex;              ///< Guards the list and the maps.
   std::deque<OpenedFile> files;  ///< Grows with the results of jobs.
   std::map<size_t, std::unique_ptr<LogData>> logs;
@@ -269,20 +277,14 @@ HttpReply Api::answer(const HttpRequest& request) {
     return request.path == start ||
            (request.path.starts_with(start) && request.path[start.size()] == '/');
   };
-  constexpr const char* kNoLabels = "start underbrush serve with --labels FOLDER";
-  if (begins("api/labels")) {
-    if (impl_->labels) return impl_->labels->answer(request);
-    return error_reply(403, kNoLabels);
+  const bool writes = request.path == "api/actors/write", of_jobs = begins("api/jobs");
+  if (of_jobs ? !impl_->jobs : !impl_->labels && (writes || begins("api/labels"))) {
+    return error_reply(403, "start underbrush serve with --labels FOLDER");
   }
-  if (begins("api/jobs")) {
-    if (impl_->jobs) return impl_->jobs->answer(request);
-    return error_reply(403, kNoLabels);
-  }
-  if (request.path == "api/actors/write") {
-    if (!impl_->labels) return error_reply(403, kNoLabels);
-    if (request.method != "POST") return error_reply(405, "only POST writes edits");
-    return impl_->write_actors(request);
-  }
+  if (of_jobs) return impl_->jobs->answer(request);
+  if (begins("api/labels")) return impl_->labels->answer(request);
+  if (writes && request.method == "POST") return impl_->write_actors(request);
+  if (writes) return error_reply(405, "only POST writes edits");
   if (request.method == "POST") return error_reply(405, "only GET is answered");
   const auto found = kAnswers.find(request.path);
   if (found == kAnswers.end()) return error_reply(404, "no such page");

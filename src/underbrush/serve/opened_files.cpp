@@ -13,6 +13,7 @@
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/primitives/primitive_set.hpp"
 #include "underbrush/regions/index.hpp"
+#include "underbrush/serve/actor_api.hpp"
 #include "underbrush/worlds/read_world.hpp"
 
 namespace underbrush::serve {
@@ -40,6 +41,13 @@ bool is_score(const fs::path& path) {
   return root.is_object() && root.find("models") && root.find("per_range") && root.find("beams");
 }
 
+// Whether a file may be a list of edits; reading it says what is wrong with it.
+bool is_manifest(const fs::path& path) {
+  if (path.extension() != ".json" || !fs::is_regular_file(path)) return false;
+  const io::JsonFile file(path);
+  return file.root().is_object() && file.root().find("format");
+}
+
 // What a file is that was found in a folder, if it is anything.
 std::optional<FileKind> kind_of_found(const fs::path& path) {
   try {
@@ -58,7 +66,8 @@ FileKind kind_of_named(const fs::path& path) {
   if (worlds::is_world(path)) return FileKind::kScene;
   if (path.extension() == ".json") {
     if (is_score(path)) return FileKind::kScore;
-    throw FormatError(path.string(), "", "not the scores that score --json writes");
+    throw FormatError(path.string(), "",
+                      "neither the scores that score --json writes nor a list of edits of actors");
   }
   const io::Input input = io::open_input(path);
   if (!input.beams) {
@@ -149,7 +158,12 @@ std::string_view name(FileKind kind) {
 
 OpenedFiles find_files(const std::vector<fs::path>& named) {
   OpenedFiles out;
-  for (const fs::path& path : named) {
+  for (fs::path path : named) {
+    if (is_manifest(path) && !worlds::is_world(path)) {
+      if (!out.edits.list.empty()) throw FormatError(path.string(), "", "a second list of edits");
+      out.edits = read_edits(path);
+      path = out.edits.actors;
+    }
     if (!fs::is_directory(path)) {
       const FileKind kind = kind_of_named(path);
       out.files.push_back({kind, fs::canonical(path), path.filename().string()});

@@ -23,16 +23,25 @@ struct OpenedFile {
   std::string name;
 };
 
+/// A list of edits of actors.
+struct GivenEdits {
+  std::filesystem::path actors;  ///< The folder that is edited, with all links resolved.
+  std::string list;              ///< The content of the file; "" for none.
+};
+
 /// The files, in the order in which they were named, those of a folder by name.
 struct OpenedFiles {
   std::vector<OpenedFile> files;
   std::vector<std::string> notes;  ///< What was left out and why, one line each.
+  GivenEdits edits;                ///< The list of edits that was named.
 };
 
 /// Finds what to serve: each of `named` is a log, a score's JSON, or the folder of a model, a set
 /// of primitives or a scene; else a folder of these, which is searched to a depth of four. A link
-/// in such a folder that leads out of it is left out. Throws `FormatError` where a named file is
-/// none of these or a named folder holds none, and reads no file whole.
+/// in such a folder that leads out of it is left out. A list of edits stands for the folder of its
+/// actors. Throws `FormatError` where a named file is none of these, a named folder holds none, or
+/// a second list is named, and as `read_edits` does. No file is read whole but the list and its
+/// actors.
 OpenedFiles find_files(const std::vector<std::filesystem::path>& named);
 
 }  // namespace underbrush::serve

@@ -3,6 +3,7 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -159,30 +160,27 @@ void UnknownSpace::follow(const Ray& ray, const RangeLimits& limits, Which which
   }
   CrossedCells::Block block;
   StepCells cells;
-  uint32_t steps = 0;
-  for (int k = 0;; ++k) {
-    const double t = from + k * cell;
-    if (!(t < to)) return;
-    const int in_batch = k % StepCells::kSteps;
-    if (in_batch == 0) {
-      cells_of_steps(start, ray.direction, t, cell, cell, cells);
-      const int last = k + StepCells::kSteps - 1;
-      steps = which(cells, block);
-      if (from + last * cell + cell < to && steps == 0) {
-        k = last;
-        continue;
-      }
+  constexpr uint32_t kAll = (1u << StepCells::kSteps) - 1;
+  for (int first = 0;; first += StepCells::kSteps) {
+    if (!(from + first * cell < to)) return;
+    cells_of_steps(start, ray.direction, from + first * cell, cell, cell, cells);
+    const uint32_t steps = which(cells, block) & kAll;
+    const bool has_last = !(from + (first + StepCells::kSteps - 1) * cell + cell < to);
+    for (uint32_t left = has_last ? kAll : steps; left != 0; left &= left - 1) {
+      const int in_batch = std::countr_zero(left);
+      const double t = from + (first + in_batch) * cell;
+      if (!(t < to)) return;
+      const double end = std::min(t + cell, to), middle = 0.5 * (t + end);
+      if (end != to && !(steps >> in_batch & 1)) continue;
+      const Vec3 at = start + middle * ray.direction;
+      // The last step may be shorter.
+      const Cell3 c = end == to ? cell_of(at, cell) : cells.of(in_batch);
+      if (crossed_.holds(c, block)) continue;
+      const double height = at.z() - ground_.at(at.x(), at.y());
+      const Step step{t, end, height, CellHash()(c), at, std::max(kLeastFall, -rise)};
+      if (step.is_low() && ground_.is_known(at.x(), at.y())) continue;
+      if (!take(step)) return;
     }
-    const double end = std::min(t + cell, to), middle = 0.5 * (t + end);
-    if (end != to && !(steps >> in_batch & 1)) continue;
-    const Vec3 at = start + middle * ray.direction;
-    // The last step may be shorter.
-    const Cell3 c = end == to ? cell_of(at, cell) : cells.of(in_batch);
-    if (crossed_.holds(c, block)) continue;
-    const double height = at.z() - ground_.at(at.x(), at.y());
-    const Step step{t, end, height, CellHash()(c), at, std::max(kLeastFall, -rise)};
-    if (step.is_low() && ground_.is_known(at.x(), at.y())) continue;
-    if (!take(step)) return;
   }
 }
 
