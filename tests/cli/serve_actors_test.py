@@ -129,10 +129,10 @@ class ServeActors(unittest.TestCase):
     def test_a_list_that_cannot_be_opened_names_its_entry(self):
         """In one line: the file, the entry and the reason, from the page and on the command line."""
         whole = {"format": "underbrush-actor-edits", "version": 1, "actors": "actors", "edits": []}
-        remove = {"edit": "remove", "actor": "other-1"}
+        remove, delay = {"edit": "remove", "actor": "other-1"}, {"edit": "delay", "actor": "other-1", "by_s": 1}
         for change, reason in (({"edits": [remove, remove]}, "edits[1].actor: there is no such actor: 'other-1'"),
                                ({"edits": [{"edit": "delay", "actor": "other-1"}]}, "edits[0]: has no member 'by_s'"),
-                               ({"edits": [remove, {"edit": "model", "actor": "other-1", "model": "model"}]}, "edits[1] names a file"),
+                               ({"edits": [delay, {"edit": "model", "actor": "other-1", "model": "model"}]}, "edits[1] names a file"),
                                ({"version": 2}, "version"), ({"format": "other"}, "format: not a list of edits"),
                                ({"author": "me"}, "unknown member 'author'"), ({"edits": 3}, "edits")):
             with self.subTest(change=change):

@@ -117,7 +117,7 @@ if (!part) await viewEverything();
 
 // Labels, boxes and commands. The console may complain of the server that is killed.
 await page.setViewportSize({ width: 900, height: 420 });
-const tools = { page, expect, ready, accessible, picture, program, folder };
+const tools = { page, expect, ready, accessible, picture, program, folder, complaints };
 const sound = [...complaints];
 if (part !== 'actors') await labelLog(tools);
 complaints.splice(0, complaints.length, ...sound, ...complaints.filter((c) => !/ERR_CONNECTION_REFUSED|409|Failed to fetch/.test(c)));
