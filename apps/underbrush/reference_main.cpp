@@ -8,6 +8,7 @@
 
 #include "cli/reference.hpp"
 #include "underbrush/fit/fitters.hpp"
+#include "underbrush/fit/parameters.hpp"
 #include "underbrush/radiometry/materials.hpp"
 #include "underbrush/sensor/sensor.hpp"
 #include "verbs.hpp"
