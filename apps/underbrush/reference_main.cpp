@@ -37,8 +37,8 @@ std::string range_of(const fit::Parameter& p) {
 std::string parameters_page() {
   std::string out =
       "# Parameters of a fit\n\nThis page is made from the table that the command line, "
-      "configurations "
-      "and `optimize` share.\nA parameter is the option `--NAME` of `fit` and the key `NAME` of a "
+      "configurations and `optimize` share.\nA parameter is the option `--NAME` of `fit` and the "
+      "key `NAME` of a "
       "configuration. A range is where\n`optimize` looks for the best value; it takes parameters "
       "marked *if named* only with `--tune`.\n\n" +
       fitters_table();
@@ -62,12 +62,10 @@ std::string parameters_page() {
 std::string sensors_page() {
   std::string out =
       "# Sensor catalogue\n\nThis page is made from the files of `share/sensors`, which are built "
-      "into "
-      "the program.\n`underbrush sensors show NAME` prints one. [Sensor files](sensor-files.md) "
-      "has "
-      "the keys.\n\n| name | maker and model | kind | rings | ring 0 | beams/s | range, m | "
-      "divergence, mrad | σ of the "
-      "range, m |\n|---|---|---|---:|---|---:|---|---|---:|\n";
+      "into the program.\n`underbrush sensors show NAME` prints one. [Sensor "
+      "files](sensor-files.md) "
+      "has the keys.\n\n| name | maker and model | kind | rings | ring 0 | beams/s | range, m | "
+      "divergence, mrad | σ of the range, m |\n|---|---|---|---:|---|---:|---|---|---:|\n";
   for (const std::string& name : sensor::names()) {
     const sensor::Sensor s = sensor::load(name);
     const char* first = s.channels.size() < 2 ? "–"

@@ -10,6 +10,7 @@
 #include "underbrush/core/file.hpp"
 #include "underbrush/core/temporary.hpp"
 #include "underbrush/elements/model_file.hpp"
+#include "underbrush/fit/fit.hpp"
 #include "underbrush/fit/stage_files.hpp"
 #include "underbrush/io/hash.hpp"
 

@@ -11,6 +11,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
+#include "underbrush/fit/parameters.hpp"
 #include "underbrush/simulate/simulate.hpp"
 
 namespace underbrush::fit {

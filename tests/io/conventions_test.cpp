@@ -6,6 +6,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/mesh_file.hpp"
 #include "underbrush/io/mesh_scene.hpp"
+#include "underbrush/io/ply_header.hpp"
 #include "underbrush/io/point_times.hpp"
 #include "underbrush/io/polygon.hpp"
 #include "underbrush/io/pose_columns.hpp"

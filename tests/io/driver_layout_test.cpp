@@ -8,6 +8,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/export.hpp"
 #include "underbrush/io/log_file.hpp"
+#include "underbrush/io/ply_header.hpp"
 #include "underbrush/io/poses.hpp"
 #include "underbrush/io/table.hpp"
 

@@ -10,6 +10,7 @@
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/fit/fit.hpp"
+#include "underbrush/fit/part_options.hpp"
 #include "underbrush/likelihood/maximisation.hpp"
 #include "underbrush/metrics/predictive.hpp"
 

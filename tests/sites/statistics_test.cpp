@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "primitives/sites.hpp"
+#include "underbrush/sites/distances.hpp"
 #include "underbrush/sites/ground_waves.hpp"
 
 namespace underbrush::sites {
