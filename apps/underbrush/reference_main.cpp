@@ -38,9 +38,8 @@ std::string parameters_page() {
   std::string out =
       "# Parameters of a fit\n\nThis page is made from the table that the command line, "
       "configurations and `optimize` share.\nA parameter is the option `--NAME` of `fit` and the "
-      "key `NAME` of a "
-      "configuration. A range is where\n`optimize` looks for the best value; it takes parameters "
-      "marked *if named* only with `--tune`.\n\n" +
+      "key `NAME` of a configuration. A range is where\n`optimize` looks for the best value; it "
+      "takes parameters marked *if named* only with `--tune`.\n\n" +
       fitters_table();
   const fit::FitOptions defaults;
   for (const std::string_view group : fit::group::kAll) {
@@ -63,8 +62,8 @@ std::string sensors_page() {
   std::string out =
       "# Sensor catalogue\n\nThis page is made from the files of `share/sensors`, which are built "
       "into the program.\n`underbrush sensors show NAME` prints one. [Sensor "
-      "files](sensor-files.md) "
-      "has the keys.\n\n| name | maker and model | kind | rings | ring 0 | beams/s | range, m | "
+      "files](sensor-files.md) has the keys.\n\n| name | maker and model | kind | rings | ring 0 | "
+      "beams/s | range, m | "
       "divergence, mrad | σ of the range, m |\n|---|---|---|---:|---|---:|---|---|---:|\n";
   for (const std::string& name : sensor::names()) {
     const sensor::Sensor s = sensor::load(name);
