@@ -61,13 +61,16 @@ CLI::Option* add_option(CLI::App& app, const Option<T>& row, T& options) {
 }
 
 /// Adds an option for every row of the table: those without a group to `Options`, the others to the
-/// groups of their own, of which `--help-all` alone shows all but `shown`.
+/// groups of their own, of which `--help-all` alone shows all but `shown`. The groups `left_out`
+/// are not added.
 template <class T>
 void add_options(Verb& verb, std::span<const Option<T>> table, T& options,
-                 std::string_view shown = "") {
+                 std::string_view shown = "",
+                 std::initializer_list<std::string_view> left_out = {}) {
   std::string_view group;
   verb.begin_group("Options");
   for (const Option<T>& row : table) {
+    if (std::count(left_out.begin(), left_out.end(), row.group) > 0) continue;
     if (row.group != group) {
       group = row.group;
       if (group.empty()) {

@@ -6,6 +6,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
+#include "underbrush/core/seed.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/hash.hpp"
 #include "underbrush/io/json_text.inl"
@@ -51,9 +52,7 @@ Verb::Verb(const Program& program, CLI::App& of)
   app.formatter(help_);
   app.fallthrough();  // This passes --config on to the program, which owns it.
   begin_group(kCommonGroup);
-  app.add_option("--seed", seed, "Seed of all random numbers")
-      ->check(whole_number())
-      ->capture_default_str();
+  app.add_option("--seed", seed, kSeedHelp)->check(whole_number())->capture_default_str();
   not_of_result(app.add_option("--threads", threads, "Number of threads; 0 = all cores"))
       ->check(CLI::Range(0, kMostThreads))
       ->capture_default_str();

@@ -34,13 +34,20 @@ class Verb {
 
   bool force = false;  ///< Whether outputs may replace files that are not ours.
 
-  /// Adds an option that names an output. The provenance leaves it out, so that equal results are
-  /// equal files wherever they are written. Before the verb runs, `check_outputs` holds all outputs
-  /// against each other and against the files and folders that the other options name. `files` are
-  /// what is written into a folder that is not replaced as a whole.
+  /// Adds an option that names an output (`mark_output`).
   template <class T>
   CLI::Option* output(const std::string& name, T& place, const std::string& help,
                       const std::vector<std::string>& files = {}) {
+    return mark_output(name.substr(0, name.find(',')), app.add_option(name, place, help), place,
+                       files);
+  }
+  /// Marks an option as the name of an output. The provenance leaves it out, so that equal results
+  /// are equal files wherever they are written. Before the verb runs, `check_outputs` holds all
+  /// outputs against each other and against the files and folders that the other options name.
+  /// `files` are what is written into a folder that is not replaced as a whole.
+  template <class T>
+  CLI::Option* mark_output(const std::string& name, CLI::Option* option, T& place,
+                           const std::vector<std::string>& files = {}) {
     const auto paths = [&place]() -> std::vector<std::filesystem::path> {
       if constexpr (std::is_constructible_v<std::filesystem::path, T>) {
         return {place};
@@ -48,8 +55,8 @@ class Verb {
         return {place.begin(), place.end()};
       }
     };
-    output_options_.push_back({name.substr(0, name.find(',')), paths, files});
-    return not_of_result(app.add_option(name, place, help));
+    output_options_.push_back({name, paths, files});
+    return not_of_result(option);
   }
   /// Marks an option that does not change the result; the provenance leaves it out.
   CLI::Option* not_of_result(CLI::Option* option);

@@ -28,6 +28,21 @@ void write_csv(const std::string& file, const std::vector<simulate::BeamWaveform
 
 }  // namespace
 
+std::span<const Option<SimulateFiles>> simulate_files() {
+  using O = SimulateFiles;
+  // clang-format off
+  static const Option<O> kOptions[] = {
+    {"waveforms", "Instrument", "",
+     "Write digitised waveforms: some beams as a table (.csv) or a plot (.svg), or all beams as "
+     ".waves; may be repeated",
+     [](O& o) -> auto& { return o.waveforms; }, -kNoLimit, kNoLimit, {}, "FILE"},
+    {"profile", "Drivers", "", "Write a folder with a PCD file for each scan, in this driver's PointCloud2 layout",
+     [](O& o) -> auto& { return o.profile; }, -kNoLimit, kNoLimit, {"velodyne", "ouster", "autoware"}},
+  };
+// clang-format on
+return kOptions;
+}
+
 bool is_waveform_file(const std::string& file) { return file.ends_with(".waves"); }
 
 WaveformOutputs::WaveformOutputs(const std::vector<std::string>& files) {

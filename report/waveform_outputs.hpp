@@ -2,6 +2,7 @@
 /// The files of `simulate --waveforms`: tables and plots of some beams, and binary files of all.
 #pragma once
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,14 @@
 #include "underbrush/sensor/sensor.hpp"
 
 namespace underbrush::report {
+
+/// Files that `simulate` writes besides a log, and the layout of the log's.
+struct SimulateFiles {
+  std::vector<std::string> waveforms;
+  std::string profile;  ///< The name of an `io::DriverLayout`; "" = none.
+};
+/// The table of these options.
+std::span<const Option<SimulateFiles>> simulate_files();
 
 /// Whether a file for waveforms is binary, and so has those of all beams.
 bool is_waveform_file(const std::string& file);
@@ -23,7 +32,6 @@ class WaveformOutputs {
   WaveformOutputs(const WaveformOutputs&) = delete;
   WaveformOutputs& operator=(const WaveformOutputs&) = delete;
 
-  bool empty() const { return binary_.empty() && pictures_.empty(); }
   /// Lets the simulation of these options give its waveforms to this, which must outlive it.
   void receive_from(pipeline::SimulateOptions& options);
   /// Returns the number of waveforms.

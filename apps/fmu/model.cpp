@@ -147,7 +147,7 @@ void Model::request() {
     if (given.empty()) {
       osi::ChainFile file = osi::read_chain(in_resources(values.text[kChain]));
       set_parameters(file);
-      std::string sensor = "ibeo-lux-2010";
+      std::string sensor = osi::kTracedSensor;
       int columns = 0, rows = 0;
       for (const osi::StrategyEntry& e : file.strategies) {
         if (e.name != "tracer" && e.name != "front_end") continue;

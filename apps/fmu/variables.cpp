@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "underbrush/core/seed.hpp"
 #include "underbrush/osi/osi_options.hpp"
 #include "underbrush/perception/perceive_options.hpp"
 
@@ -25,7 +26,7 @@ const Variable kOwn[] = {
     {kGroundTruthInit, "OSMPGroundTruthInit", Type::kBinary, Role::kParameter, "GroundTruth",
      "Static parts of the ground truth."},
     {kCount, "count", Type::kInteger, Role::kOutput, "0", "Number of objects in the output."},
-    {kSeed, "seed", Type::kInteger, Role::kParameter, "1", "Seed of all random numbers.", 0,
+    {kSeed, "seed", Type::kInteger, Role::kParameter, "1", kSeedHelp + std::string("."), 0,
      INT32_MAX},
     {kThreads, "threads", Type::kInteger, Role::kParameter, "1",
      "Number of threads; 0 is one for each core. The results do not depend on it.", 0, 1024},

@@ -18,7 +18,6 @@ namespace actors_verb {
 
 struct Arguments {
   std::string log, output, marked, met, boxes;
-  double elevation_deg = 0;
   actors::ActorOptions options;
 };
 
@@ -37,9 +36,6 @@ void add_options(Verb& verb, Arguments& a) {
                  "Labelled boxes (CSV with frame and track_id) or lists of objects; without this "
                  "option, moving objects are found by the methods of movers and perceive")
       ->type_name("FILE");
-  app.add_option("--boxes-elevation-deg", a.elevation_deg,
-                 "Turn labelled boxes up by this angle, if import turned the beams by it")
-      ->capture_default_str();
   app::add_options(verb, actors::actor_options(), a.options);
 }
 
@@ -81,8 +77,7 @@ void run(const Verb& verb, const Arguments& a) {
   }
   io::BeamReader log(a.log);
   const std::string origin = provenance(verb, {a.log, a.boxes});
-  const auto tracks =
-      actors::tracks_of_log(log, a.log, {a.boxes, a.elevation_deg * kDegree}, a.options);
+  const auto tracks = actors::tracks_of_log(log, a.log, a.boxes, a.options);
   actors::LearntActors learnt;
   if (!a.output.empty()) {
     learnt =

@@ -1,10 +1,10 @@
 #include <functional>
 
+#include "cli/option_table.hpp"
 #include "cli/progress.hpp"
 #include "fit_options.hpp"
 #include "fit_text.hpp"
 #include "stages.hpp"
-#include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/fit/parameters.hpp"
 #include "underbrush/io/atomic_file.hpp"
@@ -16,28 +16,11 @@ namespace {
 namespace fit_verb {
 
 struct Arguments {
-  std::string log, output, splat, ground_mesh, update, echoes = "first";
-  pipeline::UpdateLogOptions update_options;
+  std::string log, output, splat, ground_mesh, update;
+  update::FitLogOptions of_log;
   fit::FitOptions fit;
   jobs::FitStage stage;
 };
-
-/// Adds `--update` and its own options; `of_fit` have no place beside it.
-void add_update_options(Verb& verb, Arguments& a, CLI::Option* update,
-                        const std::vector<const CLI::Option*>& of_fit) {
-  CLI::App& app = verb.app;
-  for (const CLI::Option* option : of_fit) update->excludes(app.get_option(option->get_name()));
-  update->excludes(app.get_option("--seed"));
-  verb.begin_rare_group("fit --update");
-  app.add_option("--growth", a.update_options.growth,
-                 "Fit a tile anew when the number of its returns has grown by this share since its "
-                 "last fit; 0 = always, so that the elements are those of one fit of all logs")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  app.add_option("--logs", a.update_options.logs, "Folder that now holds the logs of the model")
-      ->type_name("FOLDER")
-      ->needs(update);
-}
 
 void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
@@ -47,20 +30,15 @@ void add_options(Verb& verb, Arguments& a) {
       app.add_option("--update", a.update,
                      "Add the log to this model, with its parameters, instead of starting anew")
           ->type_name("MODEL");
-  std::vector<const CLI::Option*> of_fit = add_fit_options(verb, a.fit);
+  const std::vector<const CLI::Option*> of_fit = add_fit_options(verb, a.fit);
   verb.begin_rare_group("Other outputs");
   verb.output("--export-splat", a.splat, "Write the ellipsoids as a splat, too")
       ->type_name("FILE.ply");
   verb.output("--export-ground", a.ground_mesh, "Write the ground as a mesh, too")
       ->type_name("FILE.obj|.ply");
-  verb.begin_rare_group("Echoes");
-  of_fit.push_back(
-      app.add_option("--echoes", a.echoes,
-                     "first = a beam ends at its first echo; all = each echo is treated as a beam, "
-                     "and hit probabilities are shares of the light")
-          ->check(CLI::IsMember({"first", "all"}))
-          ->capture_default_str());
-  add_update_options(verb, a, update, of_fit);
+  app::add_options(verb, update::fit_log_options(), a.of_log);
+  for (const CLI::Option* option : of_fit) update->excludes(app.get_option(option->get_name()));
+  for (const char* name : {"--echoes", "--seed"}) update->excludes(app.get_option(name));
   verb.begin_rare_group("Stages of a fit, as a plan has them");
   CLI::Option* stage =
       verb.not_of_result(app.add_option("--stage", a.stage.name,
@@ -101,14 +79,15 @@ void run_update(const Verb& verb, const Arguments& a) {
   pipeline::TrainedModel known = pipeline::read_trained(a.update);
   const auto log = pipeline::open_log(a.log, known.model.all_echoes);
   const pipeline::UpdatedModel updated =
-      pipeline::update_model(std::move(known), {*log, a.log}, a.update_options,
+      pipeline::update_model(std::move(known), {*log, a.log}, a.of_log,
                              std::bind_front(&Verb::provenance, &verb), shown<StageProgress>());
   finish(verb, a, updated, log->skipped());
 }
 
 void run(const Verb& verb, Arguments& a) {
   a.fit.seed = verb.seed;
-  if (a.echoes == "all") {
+  a.of_log.check(!a.update.empty());
+  if (a.of_log.echoes == "all") {
     fit::take_all_echoes(a.fit, verb.app.get_option("--keyframes")->count() > 0);
   }
   for (const std::string& file : {a.splat, a.ground_mesh}) {
@@ -122,8 +101,6 @@ void run(const Verb& verb, Arguments& a) {
   }
   elements::check_model_output(a.output);
   if (!a.update.empty()) return run_update(verb, a);
-  require(a.update_options.growth == update::UpdateOptions().growth,
-          "fit: --growth requires --update");
   run_fit(verb, a);
 }
 

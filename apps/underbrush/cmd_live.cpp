@@ -45,6 +45,7 @@ void add_live(Program& program) {
   app.add_option("--listen", a->server.address, "HOST:PORT (port 0: a free one), or unix:PATH")
       ->capture_default_str();
   app.add_option("--token", a->server.token, "File with the clients' token")->type_name("FILE");
-  add_options(*verb, pipeline::simulate_options(), a->world.simulate, "Instrument");
+  add_options(*verb, pipeline::simulate_options(), a->world.simulate, "Instrument",
+              {pipeline::kPartsGroup, pipeline::kWaveformsGroup});
 }
 }  // namespace underbrush::app

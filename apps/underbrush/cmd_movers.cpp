@@ -10,6 +10,7 @@
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/osi/list_file.hpp"
+#include "underbrush/perception/perceive_options.hpp"
 #include "underbrush/pipeline/reports_json.inl"
 #include "verbs.hpp"
 
@@ -35,8 +36,7 @@ void add_options(Verb& verb, Arguments& a) {
                  "Compare the marks with labelled boxes (CSV with frame and track_id) or lists of "
                  "objects")
       ->type_name("FILE");
-  app.add_option("--truth-elevation-deg", a.truth_elevation_deg,
-                 "Turn labelled boxes up by this angle, if import turned the beams by it")
+  app.add_option("--truth-elevation-deg", a.truth_elevation_deg, perception::kElevationHelp)
       ->capture_default_str();
   app::add_options(verb, movers::mover_options(), a.options);
 }

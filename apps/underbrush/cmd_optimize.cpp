@@ -3,6 +3,7 @@
 #include <chrono>
 #include <iostream>
 
+#include "cli/option_table.hpp"
 #include "fit_options.hpp"
 #include "report/report.hpp"
 #include "report/tuning.hpp"
@@ -14,6 +15,7 @@
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/optimize/checkpoint.hpp"
 #include "underbrush/optimize/fit_parameters.hpp"
+#include "underbrush/optimize/options.hpp"
 #include "underbrush/pipeline/compose_scene.hpp"
 #include "underbrush/pipeline/tune.hpp"
 #include "verbs.hpp"
@@ -24,11 +26,8 @@ namespace optimize_verb {
 namespace fs = std::filesystem;
 
 struct Arguments {
-  std::string log, output, objective = "packet_f1", annotation, primitives, report, checkpoint;
-  std::vector<std::string> tune;
-  std::vector<double> slice{0, 10};
-  optimize::SliceOptions cut;
-  optimize::SearchOptions search;
+  std::string log, output, annotation, primitives, report, checkpoint;
+  optimize::TuneOptions options;
   bool resume = false, allow_outside = false;
   fit::FitOptions fit;
   std::vector<const CLI::Option*> fit_options;
@@ -40,33 +39,8 @@ void add_options(Verb& verb, Arguments& a) {
   verb.output("-o,--output", a.output, "The configuration file for 'fit --config'")
       ->required()
       ->type_name("PARAMS.yaml");
-  app.add_option("--objective", a.objective,
-                 "What is minimised: packet_f1 = mean packet error + 2 (1 - F1); nll = the mean "
-                 "negative log-likelihood of a beam")
-      ->check(CLI::IsMember(optimize::objectives()))
-      ->capture_default_str();
-  app.add_option("--tune", a.tune, "Options of fit to tune instead of the usual ones")
-      ->type_name("NAME ...");
-  app.add_option("--budget", a.search.budget, "Largest number of evaluations")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--slice", a.slice,
-                 "Use the scans that begin in [FROM, TO), s after the log's start")
-      ->expected(2)
-      ->type_name("FROM TO")
-      ->capture_default_str();
-  app.add_option("--validate", a.cut.one_in,
-                 "Score every N-th scan and fit the others; where there are fewer than N scans, "
-                 "groups of beams take the place of scans")
-      ->check(CLI::Range(2, 1 << 30))
-      ->capture_default_str();
+  app::add_options(verb, optimize::tune_options(), a.options);
   verb.begin_rare_group("Search");
-  app.add_option("--algorithm", a.search.algorithm, "Search algorithm of NLopt")
-      ->check(CLI::IsMember(optimize::algorithms()))
-      ->capture_default_str();
-  app.add_option("--step", a.search.step, "First step, as a share of each parameter's range")
-      ->check(CLI::Range(0.001, 0.5))
-      ->capture_default_str();
   app.add_flag("--allow-outside", a.allow_outside, pipeline::kAllowOutsideHelp);
   verb.begin_group("Options");
   verb.output("--checkpoint", a.checkpoint,
@@ -85,9 +59,7 @@ void add_options(Verb& verb, Arguments& a) {
   site->needs(set);
   set->needs(site);
   verb.begin_group("Options");
-  verb.output("--report", a.report, "Write a report with the search's progress into this folder",
-              {"index.html"})
-      ->type_name("DIR");
+  add_report_option(verb, a.report);
   a.fit_options = add_fit_options(verb, a.fit, kAllRare);
 }
 
@@ -121,9 +93,9 @@ Json given_options(const Arguments& a, const std::vector<optimize::Parameter>& t
 
 Problem fit_problem(const Arguments& a, const std::shared_ptr<const optimize::Slice>& slice) {
   Problem p;
-  p.take(pipeline::tuned_fit(a.objective, slice, a.fit, a.tune));
+  p.take(pipeline::tuned_fit(a.options.objective, slice, a.fit, a.options.tune));
   p.tuning.fixed = given_options(a, p.tuning.parameters);
-  p.tuning.what = report::sentence_on(*slice, a.cut, false);
+  p.tuning.what = report::sentence_on(*slice, a.options.cut(), false);
   return p;
 }
 
@@ -137,13 +109,14 @@ Problem scene_problem(const Verb& verb, const Arguments& a, optimize::Slice slic
   p.inputs = {a.annotation};
   p.inputs.insert(p.inputs.end(), named.inputs.begin(), named.inputs.end());
   p.warnings = std::move(named.warnings);
-  p.tuning.what = report::sentence_on(slice, a.cut, true);
+  p.tuning.what = report::sentence_on(slice, a.options.cut(), true);
   BeamLog beams = std::move(slice.fit);
   beams.append(slice.validation, 0, slice.validation.size());
   if (in->annotation.objects.empty()) {
     throw FormatError(a.annotation, "", "no objects: there is no density to tune");
   }
-  p.take(pipeline::tuned_scene(a.objective, in, std::move(beams), verb.seed, a.tune));
+  p.take(
+      pipeline::tuned_scene(a.options.objective, in, std::move(beams), verb.seed, a.options.tune));
   p.tuning.densities = true;
   return p;
 }
@@ -151,11 +124,11 @@ Problem scene_problem(const Verb& verb, const Arguments& a, optimize::Slice slic
 /// Returns a text that identifies the search by all that determines it except its budget.
 std::string identity_of(const Verb& verb, const Arguments& a, const Problem& p) {
   Json run;
-  run["objective"] = a.objective;
-  run["algorithm"] = a.search.algorithm;
-  run["step"] = a.search.step;
-  run["slice"] = a.slice;
-  run["validate"] = a.cut.one_in;
+  run["objective"] = a.options.objective;
+  run["algorithm"] = a.options.search.algorithm;
+  run["step"] = a.options.search.step;
+  run["slice"] = a.options.slice;
+  run["validate"] = a.options.validate;
   run["seed"] = verb.seed;
   for (size_t k = 0; k < p.start.size(); ++k) {
     const optimize::Parameter& q = p.tuning.parameters[k];
@@ -192,39 +165,38 @@ void run(const Verb& verb, Arguments& a) {
   const auto seconds = [&] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   };
-  a.fit.seed = a.cut.seed = verb.seed;
-  a.cut.from_s = a.slice[0];
-  a.cut.to_s = a.slice[1];
+  a.fit.seed = a.options.seed = verb.seed;
+  const optimize::SliceOptions cut = a.options.cut();
   if (a.checkpoint.empty()) a.checkpoint = a.output + ".checkpoint";
   verb.check_all_outputs();  // Now the checkpoint has a name.
   io::check_output(a.output);
   io::check_output(a.checkpoint);
   if (!a.report.empty()) report::check_report_output(a.report);
   // This throws for unknown names before the log is read.
-  if (a.annotation.empty()) optimize::chosen_fit_parameters(a.fit, a.tune);
+  if (a.annotation.empty()) optimize::chosen_fit_parameters(a.fit, a.options.tune);
   io::LogReader reader(a.log);
-  optimize::Slice slice = optimize::take_slice(reader, a.cut);
+  optimize::Slice slice = optimize::take_slice(reader, cut);
   Problem p = a.annotation.empty()
                   ? fit_problem(a, std::make_shared<optimize::Slice>(std::move(slice)))
                   : scene_problem(verb, a, std::move(slice));
   report::Tuning& t = p.tuning;
   t.log = a.log;
-  t.objective = a.objective;
+  t.objective = a.options.objective;
   std::vector<fs::path> inputs{a.log};
   inputs.insert(inputs.end(), p.inputs.begin(), p.inputs.end());
   t.provenance = provenance(verb, inputs);
   optimize::Checkpoint kept{identity_of(verb, a, p), false, {}};
   const std::vector<optimize::Evaluation> past = past_of(a, kept.run);
   try {
-    t.evaluations =
-        optimize::search(t.parameters, p.start, a.search, p.objective, past,
-                         [&](std::span<const optimize::Evaluation> so_far) {
-                           kept.evaluations.assign(so_far.begin(), so_far.end());
-                           optimize::write_checkpoint(a.checkpoint, kept);
-                           std::cerr << fmt::format("[{:.1f} s] {}\n", seconds(),
-                                                    report::line_of(t, so_far, a.search.budget))
-                                     << std::flush;
-                         });
+    t.evaluations = optimize::search(
+        t.parameters, p.start, a.options.search, p.objective, past,
+        [&](std::span<const optimize::Evaluation> so_far) {
+          kept.evaluations.assign(so_far.begin(), so_far.end());
+          optimize::write_checkpoint(a.checkpoint, kept);
+          std::cerr << fmt::format("[{:.1f} s] {}\n", seconds(),
+                                   report::line_of(t, so_far, a.options.search.budget))
+                    << std::flush;
+        });
   } catch (const DataError& e) {
     throw FormatError(past.empty() ? a.log : a.checkpoint, "", e.what());
   }

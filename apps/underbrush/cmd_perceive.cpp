@@ -5,6 +5,7 @@
 #include "cli/option_table.hpp"
 #include "report/object_lists.hpp"
 #include "report/report.hpp"
+#include "stages.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/log_file.hpp"
@@ -33,9 +34,7 @@ void add_options(Verb& verb, Arguments& a) {
   verb.output("--write-truth", a.write_truth,
               "The true objects of each scan as lists: .json, .osi, or CSV")
       ->type_name("OBJECTS");
-  verb.output("--report", a.report, "Write a report (one HTML file) into this folder",
-              {"index.html"})
-      ->type_name("DIR");
+  add_report_option(verb, a.report);
   verb.output(
           "--grid", a.grid,
           "Write a map of free, permeable and solid cells around the vehicle: the last cycle as "

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cli/option_table.hpp"
 #include "cli/progress.hpp"
 #include "report/clouds.hpp"
 #include "report/report.hpp"
@@ -21,8 +22,8 @@ namespace score_verb {
 namespace fs = std::filesystem;
 
 struct Arguments {
-  std::string real, report, protocol, truth, train, memory = regions::kMemory;
-  bool repeats = false;
+  std::string real, report, truth, train;
+  pipeline::ScoreOptions options;
   std::vector<std::string> simulated, models, names;
 };
 
@@ -42,26 +43,11 @@ void add_options(Verb& verb, Arguments& a) {
       ->type_name("LOG");
   app.add_option("--name", a.names, "Name of each simulated log in the results, in order")
       ->allow_extra_args(false);
-  verb.output("--report", a.report, "Write a report (one HTML file) into this folder",
-              {"index.html"})
-      ->type_name("DIR");
+  add_report_option(verb, a.report);
   app.add_option("--truth", a.truth,
                  "True lists of objects; adds the errors of lists ([rosenberger20] Table 1)")
       ->type_name("OBJECTS");
-  verb.begin_rare_group();
-  app.add_option(
-         "--protocol", a.protocol,
-         "Other scores: kitti360 adds scores of range images of 66 x 1030 pixels, by which learned "
-         "simulators are compared on KITTI-360; clouds compares logs that share no beams as point "
-         "clouds")
-      ->check(CLI::IsMember({"kitti360", "clouds"}));
-  app.add_option("--memory", a.memory, "Largest memory of the loaded regions of a world")
-      ->type_name("SIZE")
-      ->capture_default_str();
-  app.add_flag(
-      "--repeats", a.repeats,
-      "Compare scans that have one place and equal directions, too: how ranges change from scan to "
-      "scan, and the distance of their bearing x range histograms");
+  app::add_options(verb, pipeline::score_options(), a.options);
 }
 
 void score_clouds(const Verb& verb, const Arguments& a, const std::vector<Candidate>& candidates) {
@@ -103,19 +89,19 @@ void run(const Verb& verb, const Arguments& a) {
     if (!a.models.empty()) inputs.push_back(a.models[k]);
   }
   if (osi::is_list_file(a.real)) {
-    require(a.models.empty() && a.protocol.empty() && !a.repeats && a.train.empty(),
+    require(a.models.empty() && a.options.protocol.empty() && !a.options.repeats && a.train.empty(),
             "score: --model, --train, --protocol and --repeats are for logs, not for lists of "
             "objects");
     return score_objects(verb, {a.real, a.simulated, names, a.truth, a.report});
   }
   require(a.truth.empty(), "score: --truth is for lists of objects, not for logs");
   if (!a.report.empty()) report::check_report_output(a.report);
-  if (a.protocol == "clouds") {
-    require(a.models.empty() && !a.repeats && a.train.empty(),
+  if (a.options.protocol == "clouds") {
+    require(a.models.empty() && !a.options.repeats && a.train.empty(),
             "score: --model, --train and --repeats are for logs of the same beams, not for clouds");
     return score_clouds(verb, a, candidates);
   }
-  const std::vector<metrics::Score> scores = score_logs(a.real, candidates, true, a.memory);
+  const std::vector<metrics::Score> scores = score_logs(a.real, candidates, true, a.options.memory);
   const std::vector<metrics::Baseline> baselines = score_baselines(a.real, a.train);
   inputs.emplace_back(a.train);
   Json results = pipeline::json_of_scores(names, scores, baselines, provenance(verb, inputs));
@@ -126,7 +112,8 @@ void run(const Verb& verb, const Arguments& a) {
     text +=
         fmt::format("left out: {} beams that met something that moved\n", scores[0].mover_beams);
   }
-  text += score_protocols({!a.protocol.empty(), a.repeats}, a.real, a.train, candidates, results);
+  text += score_protocols({!a.options.protocol.empty(), a.options.repeats}, a.real, a.train,
+                          candidates, results);
   if (!a.report.empty()) {
     std::vector<report::Comparison::Simulated> logs;
     logs.reserve(candidates.size());

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cli/option_table.hpp"
 #include "report/sensor_plots.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/pipeline/sensor_echo.hpp"
+#include "underbrush/pipeline/simulate_options.hpp"
 #include "underbrush/sensor/sensor.hpp"
 #include "verbs.hpp"
 
@@ -18,9 +20,8 @@ using sensor::Sensor;
 
 struct Arguments {
   std::string action, name, plot, csv;
-  std::vector<std::string> targets;  ///< Each is RANGE[:MATERIAL[:SHARE]], range in m.
-  /// Visibility (m; 0 = clear air) and rain (mm/h).
-  double visibility_m = 0, rain_mm_per_h = 0;
+  std::vector<std::string> targets;   ///< Each is RANGE[:MATERIAL[:SHARE]], range in m.
+  pipeline::SimulateOptions options;  ///< Its `visibility` and `rain` are options here, too.
 };
 
 void write_csv(const pipeline::SensorEcho& echo, const std::string& file) {
@@ -33,8 +34,9 @@ void write_csv(const pipeline::SensorEcho& echo, const std::string& file) {
 
 void echo_of_sensor(const Verb& verb, const Arguments& a) {
   const Sensor s = sensor::load(a.name);
+  const pipeline::InstrumentOptions& air = a.options.instrument;
   const pipeline::SensorEcho echo =
-      pipeline::echo_of_targets(s, a.targets, a.visibility_m, a.rain_mm_per_h, verb.seed);
+      pipeline::echo_of_targets(s, a.targets, air.visibility_m, air.rain_mm_per_h, verb.seed);
   if (!a.csv.empty()) write_csv(echo, a.csv);
   if (!a.plot.empty()) report::plot_echoes(s, echo, a.plot);
   Json j;
@@ -186,18 +188,15 @@ void add_sensors(Program& program) {
   app.add_option("NAME", a->name, "A sensor of the catalogue, or a YAML file");
   verb->output("--plot", a->plot, "Draw the pattern (show) or the waveform (echo)")
       ->type_name("FILE.svg");
+  verb->begin_group("Options of echo");
   app.add_option("--target", a->targets,
-                 "echo: a target that a share of the beam meets perpendicularly; may be repeated")
+                 "A target that a share of the beam meets perpendicularly; may be repeated")
       ->type_name("RANGE[:MATERIAL[:SHARE]]")
       ->take_all();
-  verb->output("--csv", a->csv, "echo: write the waveform to this file")->type_name("FILE");
-  app.add_option("--visibility", a->visibility_m,
-                 "echo: visibility in haze or fog, m; 0 = clear air")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  app.add_option("--rain", a->rain_mm_per_h, "echo: rain rate, mm/h")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+  verb->output("--csv", a->csv, "Write the waveform to this file")->type_name("FILE");
+  for (const auto& row : pipeline::simulate_options()) {
+    if (row.name == "visibility" || row.name == "rain") add_option(app, row, a->options);
+  }
 }
 
 }  // namespace underbrush::app

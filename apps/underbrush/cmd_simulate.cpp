@@ -24,9 +24,9 @@ namespace {
 namespace simulate_verb {
 
 struct Arguments {
-  std::string model, like, sensor, rig, trajectory, output, profile, up = "z", assets;
+  std::string model, like, sensor, rig, trajectory, output;
   std::vector<std::string> movers;  ///< Each is MODEL:POSES[:MATERIAL].
-  std::vector<std::string> waveforms;
+  report::SimulateFiles files;
   worlds::ReadOptions world;
   pipeline::SimulateOptions options;
 };
@@ -61,26 +61,6 @@ void add_beam_options(CLI::App& app, Arguments& a) {
   rig->needs(trajectory);
 }
 
-void add_world_options(Verb& verb, Arguments& a) {
-  CLI::App& app = verb.app;
-  verb.begin_rare_group("Things that move");
-  app.add_option("--mover", a.movers,
-                 "Add an object (a model's folder, or an OBJ or PLY mesh) that moves along poses "
-                 "(TUM format, world from object); may be repeated")
-      ->type_name("MODEL:POSES.txt[:MATERIAL]")
-      ->take_all();
-  verb.begin_rare_group("Meshes and scenes of HELIOS++");
-  app.add_option("--up", a.up, "Axis that points up in a mesh; in glTF files it is always y")
-      ->check(CLI::IsMember({"y", "z"}))
-      ->capture_default_str();
-  app.add_option("--unit", a.world.mesh.unit_m, "Length of the unit of a mesh, m")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--assets", a.assets,
-                 "Folder with the files of a scene of HELIOS++, besides the folder of the scene")
-      ->type_name("FOLDER");
-}
-
 void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
   app.add_option(
@@ -94,26 +74,19 @@ void add_options(Verb& verb, Arguments& a) {
       ->required();
   add_beam_options(app, a);
   app::add_options(verb, pipeline::simulate_options(), a.options, "Instrument");
-  verb.begin_group("Instrument");
-  verb.output("--waveforms", a.waveforms,
-              "Write digitised waveforms: some beams as a table (.csv) or a plot (.svg), or all "
-              "beams as .waves; may be repeated")
-      ->type_name("FILE")
+  app::add_options(verb, report::simulate_files(), a.files, "Instrument");
+  verb.mark_output("--waveforms", app.get_option("--waveforms"), a.files.waveforms);
+  verb.begin_rare_group("Things that move");
+  app.add_option("--mover", a.movers,
+                 "Add an object (a model's folder, or an OBJ or PLY mesh) that moves along poses "
+                 "(TUM format, world from object); may be repeated")
+      ->type_name("MODEL:POSES.txt[:MATERIAL]")
       ->take_all();
-  verb.begin_rare_group("Drivers");
-  app.add_option(
-         "--profile", a.profile,
-         "Write a folder with a PCD file for each scan, in this driver's PointCloud2 layout")
-      ->check(CLI::IsMember({"velodyne", "ouster", "autoware"}));
-  verb.begin_group("Options");
-  add_world_options(verb, a);
+  app::add_options(verb, worlds::read_options(), a.world);
 }
 
 pipeline::World world_of(const Arguments& a) {
-  worlds::ReadOptions options = a.world;
-  options.mesh.y_up = a.up == "y";
-  options.assets = a.assets;
-  pipeline::World world = pipeline::open_world(a.model, options);
+  pipeline::World world = pipeline::open_world(a.model, a.world);
   for (const std::string& text : a.movers) {
     const MoverWords w = mover_words(text);
     pipeline::add_mover(world, actors::read_mover(w.model), io::read_trajectory(w.poses),
@@ -177,9 +150,9 @@ std::vector<std::filesystem::path> inputs_of(const Arguments& a) {
 /// Says what the output's format cannot hold; nothing where it holds all.
 std::string lost_in(const Arguments& a) {
   const std::string extension = std::filesystem::path(a.output).extension().string();
-  std::string lost = io::lost_in(!a.profile.empty()  ? a.profile
-                                 : extension.empty() ? "kitti"
-                                                     : extension.substr(1));
+  std::string lost = io::lost_in(!a.files.profile.empty() ? a.files.profile
+                                 : extension.empty()      ? "kitti"
+                                                          : extension.substr(1));
   if (a.options.element_ids && !lost.empty() && extension != ".pcd") {
     lost += ", element, class and instance numbers";
   }
@@ -250,7 +223,7 @@ void report(const Verb& verb, const Arguments& a, const Done& done,
   if (sub_rays) j["echoes"] = n.hits;
   if (sub_rays) j["sub_rays"] = sub_rays;
   if (sub_rays) j["sub_rays_traced"] = mean_traced;
-  if (!a.waveforms.empty()) j["waveforms"] = done.waveforms;
+  if (!a.files.waveforms.empty()) j["waveforms"] = done.waveforms;
   if (!lost.empty()) j["lost"] = lost;
   if (traced.sway_s() > 0) j["sway_s"] = traced.sway_s();
   if (!model.channels.empty()) j["channel_offsets"] = model.channels_of(done.beams).size();
@@ -276,7 +249,7 @@ void report(const Verb& verb, const Arguments& a, const Done& done,
         fmt::format("  matter      sways with a correlation time of {:.2g} s\n", traced.sway_s());
   }
   if (!lost.empty()) text += fmt::format("  not kept    {}\n", lost);
-  if (!a.waveforms.empty()) {
+  if (!a.files.waveforms.empty()) {
     text += fmt::format("  waveforms   {}; beams of keyframes have none\n", done.waveforms);
   }
   text += text_of_model(done, model);
@@ -288,11 +261,11 @@ void report(const Verb& verb, const Arguments& a, const Done& done,
 void run(const Verb& verb, Arguments& a) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
-  for (const std::string& file : a.waveforms) {
+  for (const std::string& file : a.files.waveforms) {
     require(a.rig.empty() || !report::is_waveform_file(file),
             "simulate: waveforms of all beams are those of one sensor, not of --rig");
   }
-  report::WaveformOutputs waveforms(a.waveforms);
+  report::WaveformOutputs waveforms(a.files.waveforms);
   waveforms.receive_from(a.options);
   a.options.seed = verb.seed;
   a.options.check();
@@ -301,9 +274,9 @@ void run(const Verb& verb, Arguments& a) {
   pipeline::Simulation simulation = simulation_of(a, traced, beams);
   const std::string origin = provenance(verb, inputs_of(a));
   const auto write = [&](BeamSource& log) {
-    if (a.profile.empty()) return io::export_log(a.output, log, "", origin);
-    io::export_driver_layout(a.output, log, io::driver_layout_from_name(a.profile), beams.path,
-                             origin);
+    if (a.files.profile.empty()) return io::export_log(a.output, log, "", origin);
+    io::export_driver_layout(a.output, log, io::driver_layout_from_name(a.files.profile),
+                             beams.path, origin);
   };
   Progress progress("simulate");
   pipeline::SimulateCounts counts =

@@ -3,12 +3,15 @@
 // not installed.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iostream>
 #include <map>
 
 #include "cli/reference.hpp"
 #include "underbrush/fit/fitters.hpp"
 #include "underbrush/fit/parameters.hpp"
+#include "underbrush/osi/strategy.hpp"
+#include "underbrush/perception/perceive_options.hpp"
 #include "underbrush/radiometry/materials.hpp"
 #include "underbrush/sensor/sensor.hpp"
 #include "verbs.hpp"
@@ -103,6 +106,32 @@ std::string materials_page() {
   return out;
 }
 
+/// What the option of `perceive` does whose name a parameter has, without its unit.
+std::string_view help_of_perceive(std::string key) {
+  std::replace(key.begin(), key.end(), '_', '-');
+  for (const auto& row : perception::perceive_options()) {
+    if (key == row.name || key == fmt::format("{}-{}", row.name, row.unit)) return row.help;
+  }
+  return "";
+}
+
+std::string strategies_page() {
+  std::string out =
+      "# Parameters of strategies\n\nThis page is made from the program's tables; [OSI](osi.md) "
+      "says "
+      "what the strategies do. A parameter is a key of a\nstrategy's entry in a chain.\n";
+  for (const std::string& strategy : osi::strategy_names()) {
+    const bool perceives = strategy == "tracking" || strategy == "grid";
+    out += fmt::format("\n## {}\n\n| parameter | default | values |{}\n|---|---|---|{}\n", strategy,
+                       perceives ? " as in `perceive` |" : "", perceives ? "---|" : "");
+    for (const osi::StrategyParameter& p : osi::parameters_of(strategy)) {
+      out += fmt::format("| `{}` | {} | {} |", p.key, p.fallback, p.values);
+      out += perceives ? fmt::format(" {} |\n", help_of_perceive(p.key)) : "\n";
+    }
+  }
+  return out;
+}
+
 }  // namespace
 }  // namespace underbrush::app
 
@@ -116,11 +145,13 @@ int main(int argc, char** argv) {
       {"materials", app::materials_page},
       {"parameters", app::parameters_page},
       {"sensor-catalogue", app::sensors_page},
+      {"strategies", app::strategies_page},
   };
   const auto page = pages.find(argc == 2 ? argv[1] : "");
   if (page == pages.end()) {
-    std::cerr
-        << "usage: underbrush-reference command-line|man|materials|parameters|sensor-catalogue\n";
+    std::cerr << "usage: underbrush-reference PAGE, one of:";
+    for (const auto& [name, text] : pages) std::cerr << " " << name;
+    std::cerr << "\n";
     return 2;
   }
   std::cout << page->second();

@@ -35,6 +35,11 @@ std::string row(const char* label, const std::vector<metrics::Score>& scores,
 
 }  // namespace
 
+void add_report_option(Verb& verb, std::string& folder) {
+  verb.output("--report", folder, "Write a report (one HTML file) into this folder", {"index.html"})
+      ->type_name("DIR");
+}
+
 std::vector<metrics::Score> score_logs(const fs::path& real,
                                        const std::vector<Candidate>& candidates, bool cloud,
                                        const std::string& memory) {

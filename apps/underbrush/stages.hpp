@@ -31,6 +31,9 @@ std::string table_of_scores(const std::vector<Candidate>& candidates,
                             const std::vector<metrics::Score>& scores,
                             const std::vector<metrics::Baseline>& baselines);
 
+/// Adds the option for the folder of a report.
+void add_report_option(Verb& verb, std::string& folder);
+
 /// Returns the warnings, one on each line.
 std::string text_of_warnings(const std::vector<std::string>& warnings);
 

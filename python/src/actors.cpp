@@ -22,15 +22,14 @@ namespace {
 /// report.
 std::pair<BeamLog, std::string> learnt(const GivenLog& log,
                                        const std::optional<std::filesystem::path>& boxes,
-                                       double elevation_deg, const std::filesystem::path& output,
+                                       const std::filesystem::path& output,
                                        const actors::ActorOptions& options, uint64_t seed,
                                        const std::string& provenance, const nb::object& progress) {
   std::pair<BeamLog, std::string> out;
   run_watched(progress, [&](const Hook& hook) {
     const std::unique_ptr<BeamSource> beams = source_of(log), rows = source_of(log, true);
     const std::string name = name_of(log);
-    const auto tracks =
-        actors::tracks_of_log(*beams, name, {boxes.value_or(""), elevation_deg * kDegree}, options);
+    const auto tracks = actors::tracks_of_log(*beams, name, boxes.value_or(""), options);
     const actors::LearntActors found =
         pipeline::learn_actors(*beams, name, tracks, options, seed, of_stage(hook, "actors"));
     actors::BoxesOfBeams marks(tracks, options.boxes);
@@ -51,8 +50,8 @@ std::pair<BeamLog, std::string> learnt(const GivenLog& log,
 
 void bind_actors(nb::module_& m) {
   bind_options(m, "ActorOptions", "actors", &actors::actor_options);
-  m.def("actors", &learnt, "log"_a, "boxes"_a.none(), "elevation_deg"_a, "output"_a, "options"_a,
-        "seed"_a, "provenance"_a, "progress"_a.none(),
+  m.def("actors", &learnt, "log"_a, "boxes"_a.none(), "output"_a, "options"_a, "seed"_a,
+        "provenance"_a, "progress"_a.none(),
         "Learns what moved during a log, as models with trajectories.");
 }
 

@@ -12,7 +12,6 @@
 #include "fit_parameters.hpp"
 #include "given.hpp"
 #include "option_table.hpp"
-#include "underbrush/core/check.hpp"
 #include "underbrush/io/hash.hpp"
 #include "underbrush/io/json_text.inl"
 #include "underbrush/pipeline/fit_json.inl"
@@ -46,12 +45,12 @@ ModelValue value_of(Trained trained, const BeamSource& log) {
 }
 
 ModelValue fitted(const GivenLog& log, const nb::dict& parameters, uint64_t seed,
-                  const sensor::Sensor* sensor, const std::string& echoes,
+                  const sensor::Sensor* sensor, const update::FitLogOptions& of_log,
                   const std::string& provenance, const nb::object& progress) {
   fit::FitOptions options;
   set_fit_options(options, parameters, seed, sensor);
-  require(echoes == "first" || echoes == "all", "fit: echoes is first or all");
-  if (echoes == "all") fit::take_all_echoes(options, parameters.contains("keyframes"));
+  of_log.check(false);
+  if (of_log.echoes == "all") fit::take_all_echoes(options, parameters.contains("keyframes"));
   ModelValue out;
   run_watched(progress, [&](const Hook& hook) {
     const std::unique_ptr<BeamSource> beams = source_of(log, true);
@@ -63,9 +62,10 @@ ModelValue fitted(const GivenLog& log, const nb::dict& parameters, uint64_t seed
   return out;
 }
 
-ModelValue updated(const GivenLog& log, const GivenModel& model, double growth,
-                   const std::filesystem::path& logs, const std::string& provenance,
+ModelValue updated(const GivenLog& log, const GivenModel& model,
+                   const update::FitLogOptions& options, const std::string& provenance,
                    const nb::object& progress) {
+  options.check(true);
   ModelValue out;
   run_watched(progress, [&](const Hook& hook) {
     pipeline::TrainedModel known;
@@ -78,9 +78,6 @@ ModelValue updated(const GivenLog& log, const GivenModel& model, double growth,
     }
     const std::unique_ptr<BeamSource> beams = source_of(log, known.model.all_echoes);
     WatchedSource source(*beams, hook, "fit");
-    pipeline::UpdateLogOptions options;
-    options.growth = growth;
-    options.logs = logs;
     out = value_of(pipeline::update_model(std::move(known), {source, file_of(log)}, options,
                                           with_hashes(provenance), hook),
                    *beams);
@@ -105,11 +102,12 @@ void bind_fit(nb::module_& m) {
       "fit_parameters", [] { return rows_of(fit::parameters()); },
       nb::sig("def fit_parameters() -> list[tuple[str, str, str, str, str]]"),
       "Returns the table of the parameters of a fit: name, type, default, unit and help.");
+  bind_options<update::FitLogOptions>(m, "FitLogOptions", "fit_log", &update::fit_log_options);
   m.def("fitters", &fit::fitter_names, "Returns the names of the fitters.");
-  m.def("fit", &fitted, "log"_a, "parameters"_a, "seed"_a, "sensor"_a.none(), "echoes"_a,
+  m.def("fit", &fitted, "log"_a, "parameters"_a, "seed"_a, "sensor"_a.none(), "of_log"_a,
         "provenance"_a, "progress"_a.none(), "Fits a model to a log.");
-  m.def("update", &updated, "log"_a, "model"_a, "growth"_a, "logs"_a, "provenance"_a,
-        "progress"_a.none(), "Adds a log to a model.");
+  m.def("update", &updated, "log"_a, "model"_a, "options"_a, "provenance"_a, "progress"_a.none(),
+        "Adds a log to a model.");
 }
 
 }  // namespace underbrush::python

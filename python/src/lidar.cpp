@@ -25,7 +25,8 @@ class Lidar {
  public:
   Lidar(const GivenWorld& world, sensor::Sensor sensor, const SimulateOptions& options)
       : target_(world, options), sensors_(target_.world(), options.pipeline, std::move(sensor)) {
-    require(options.waveforms.empty(), "Lidar: waveforms are of simulate");
+    require(options.files.waveforms.empty() && options.files.profile.empty(),
+            "Lidar: waveforms and profile are of simulate");
   }
 
   /// Answers the beams of the revolution that starts at `time_s`.

@@ -10,10 +10,11 @@
 #include "bind.hpp"
 #include "fit_parameters.hpp"
 #include "given.hpp"
+#include "option_table.hpp"
 #include "report/tuning.hpp"
-#include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/optimize/fit_parameters.hpp"
+#include "underbrush/optimize/options.hpp"
 #include "underbrush/pipeline/compose_scene.hpp"
 #include "underbrush/pipeline/tune.hpp"
 #include "watched.hpp"
@@ -23,15 +24,8 @@ using namespace nb::literals;
 namespace {
 
 using optimize::Evaluation;
+using optimize::TuneOptions;
 using Values = std::map<std::string, double>;
-
-/// The options of a search.
-struct TuneOptions {
-  std::string objective = "packet_f1";
-  std::vector<std::string> tune;
-  optimize::SliceOptions cut;
-  optimize::SearchOptions search;
-};
 
 /// A search that has ended.
 struct TuningValue : report::Tuning {
@@ -68,14 +62,14 @@ TuningValue searched(const GivenLog& log, const TuneOptions& o, std::string what
 TuningValue tuned_fit(const GivenLog& log, const TuneOptions& o, const nb::dict& parameters,
                       const sensor::Sensor* sensor, const nb::object& progress) {
   fit::FitOptions options;
-  set_fit_options(options, parameters, o.cut.seed, sensor);
+  set_fit_options(options, parameters, o.seed, sensor);
+  const optimize::SliceOptions cut = o.cut();
   optimize::chosen_fit_parameters(options, o.tune);  // This throws for unknown names.
   TuningValue out;
   run_watched(progress, [&](const Hook& hook) {
     const std::unique_ptr<BeamSource> source = source_of(log, true);
-    const auto slice =
-        std::make_shared<const optimize::Slice>(optimize::take_slice(*source, o.cut));
-    out = searched(log, o, report::sentence_on(*slice, o.cut, false),
+    const auto slice = std::make_shared<const optimize::Slice>(optimize::take_slice(*source, cut));
+    out = searched(log, o, report::sentence_on(*slice, cut, false),
                    pipeline::tuned_fit(o.objective, slice, options, o.tune), hook);
   });
   return out;
@@ -84,67 +78,31 @@ TuningValue tuned_fit(const GivenLog& log, const TuneOptions& o, const nb::dict&
 TuningValue tuned_scene(const GivenLog& log, const TuneOptions& o,
                         const std::filesystem::path& annotation, const std::string& primitives,
                         bool allow_outside, const nb::object& progress) {
+  const optimize::SliceOptions cut = o.cut();
   TuningValue out;
   run_watched(progress, [&](const Hook& hook) {
     const std::unique_ptr<BeamSource> source = source_of(log, true);
-    optimize::Slice slice = optimize::take_slice(*source, o.cut);
+    optimize::Slice slice = optimize::take_slice(*source, cut);
     const auto parts = std::make_shared<pipeline::SceneParts>();
     parts->annotation = primitives::read_annotation(annotation, allow_outside);
     parts->ground = elements::read_model(parts->annotation.ground.lexically_normal());
-    parts->primitives = pipeline::primitives_named(primitives, o.cut.seed).set;
-    std::string what = report::sentence_on(slice, o.cut, true);
+    parts->primitives = pipeline::primitives_named(primitives, o.seed).set;
+    std::string what = report::sentence_on(slice, cut, true);
     BeamLog beams = std::move(slice.fit);
     beams.append(slice.validation, 0, slice.validation.size());
-    out = searched(log, o, std::move(what),
-                   pipeline::tuned_scene(o.objective, parts, std::move(beams), o.cut.seed, o.tune),
-                   hook);
+    out =
+        searched(log, o, std::move(what),
+                 pipeline::tuned_scene(o.objective, parts, std::move(beams), o.seed, o.tune), hook);
     out.densities = true;
   });
   return out;
 }
 
-void bind_optimize_options(nb::module_& m) {
-  using T = TuneOptions;
-  nb::class_<T>(m, "TuneOptions", "The options of `optimize`.")
-      .def(nb::init<>())
-      .def_prop_rw(
-          "objective", [](T& o) { return o.objective; },
-          [](T& o, const std::string& v) {
-            const auto known = optimize::objectives();
-            if (std::find(known.begin(), known.end(), v) == known.end()) {
-              throw std::invalid_argument("optimize: no objective '" + v + "'");
-            }
-            o.objective = v;
-          })
-      .def_rw("tune", &T::tune)
-      .def_prop_rw(
-          "slice", [](T& o) { return std::make_pair(o.cut.from_s, o.cut.to_s); },
-          [](T& o, std::pair<double, double> v) { std::tie(o.cut.from_s, o.cut.to_s) = v; })
-      .def_prop_rw(
-          "validate", [](T& o) { return o.cut.one_in; },
-          [](T& o, unsigned v) {
-            require(v >= 2, "optimize: validate is at least 2");
-            o.cut.one_in = v;
-          })
-      .def_prop_rw(
-          "seed", [](T& o) { return o.cut.seed; }, [](T& o, uint64_t v) { o.cut.seed = v; })
-      .def_prop_rw(
-          "budget", [](T& o) { return o.search.budget; },
-          [](T& o, size_t v) {
-            require(v > 0, "optimize: budget is positive");
-            o.search.budget = v;
-          })
-      .def_prop_rw(
-          "algorithm", [](T& o) { return o.search.algorithm; },
-          [](T& o, const std::string& v) { o.search.algorithm = v; })
-      .def_prop_rw(
-          "step", [](T& o) { return o.search.step; }, [](T& o, double v) { o.search.step = v; });
-}
-
 }  // namespace
 
 void bind_optimize(nb::module_& m) {
-  bind_optimize_options(m);
+  bind_options<TuneOptions>(m, "TuneOptions", "optimize", &optimize::tune_options)
+      .def_rw("seed", &TuneOptions::seed);
   using V = TuningValue;
   nb::class_<V>(m, "Tuning", "A search for parameters that has ended.")
       .def(

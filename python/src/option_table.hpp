@@ -29,6 +29,13 @@ nb::list rows_of(std::span<const Row> table) {
   return out;
 }
 
+/// Whether a table has an option with the name `key`, in which `_` stands for `-`.
+template <class Row>
+bool has_option(std::span<const Row> table, std::string key) {
+  std::replace(key.begin(), key.end(), '_', '-');
+  return std::any_of(table.begin(), table.end(), [&](const Row& o) { return o.name == key; });
+}
+
 /// Sets the option with the name `key`, in which `_` stands for `-`. Throws a Python `TypeError`
 /// for an unknown name, which it compares with the known ones, and for a value of the wrong type.
 template <class Row, class T>

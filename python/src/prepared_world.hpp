@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "given.hpp"
+#include "report/waveform_outputs.hpp"
 #include "underbrush/pipeline/simulation.hpp"
 
 namespace underbrush::python {
@@ -20,8 +21,8 @@ using GivenMover =
 struct SimulateOptions {
   pipeline::SimulateOptions pipeline;
   std::vector<GivenMover> movers;
-  std::vector<std::string> waveforms;  ///< Files.
-  worlds::ReadOptions read;            ///< How the world of another program is read.
+  report::SimulateFiles files;
+  worlds::ReadOptions read;  ///< How the world of another program is read.
 };
 
 /// A model or scene, prepared for tracing. A model or scene that was given as a value and is not

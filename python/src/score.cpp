@@ -11,6 +11,7 @@
 
 #include "bind.hpp"
 #include "given.hpp"
+#include "option_table.hpp"
 #include "prepared_world.hpp"
 #include "report/report.hpp"
 #include "underbrush/core/check.hpp"
@@ -64,7 +65,7 @@ std::string clouds_compared(const GivenLog& real, const GivenLog& simulated,
 
 ScoreValue scored(const GivenLog& real, const GivenLog& simulated,
                   const std::optional<GivenWorld>& model, const std::optional<GivenLog>& train,
-                  bool cloud, const nb::object& progress) {
+                  bool cloud, const pipeline::ScoreOptions& options, const nb::object& progress) {
   ScoreValue out;
   run_watched(progress, [&](const Hook& hook) {
     const auto opened = [&hook](const GivenLog& log) -> metrics::OpenLog {
@@ -74,8 +75,9 @@ ScoreValue scored(const GivenLog& real, const GivenLog& simulated,
     std::optional<PreparedWorld> world;
     if (model) world.emplace(*model, SimulateOptions());
     name_file_of(simulated, [&] {
-      static_cast<metrics::Score&>(out) = pipeline::score_logs(
-          *a, *b, world ? &world->world() : nullptr, cloud, of_stage(hook, "score"));
+      static_cast<metrics::Score&>(out) =
+          pipeline::score_logs(*a, *b, world ? &world->world() : nullptr, cloud,
+                               of_stage(hook, "score"), options.memory);
     });
     out.baselines =
         metrics::score_baselines(opened(real), train ? opened(*train) : metrics::OpenLog());
@@ -130,6 +132,9 @@ void bind_score(nb::module_& m) {
         return nb::str(nb::str("Summary({} beams, packet error {:.3f} m, F1 {:.4f})")
                            .attr("format")(s.beams, s.packet_error_m, s.f1));
       });
+  // The command line's protocols compare several logs side by side.
+  bind_options<pipeline::ScoreOptions>(m, "ScoreOptions", "score",
+                                       [] { return pipeline::score_options().first(1); });
   using S = ScoreValue;
   nb::class_<S>(m, "Score", "The scores of a simulation.")
       .def_ro("all", &S::all, "Of all beams.")
@@ -162,7 +167,8 @@ void bind_score(nb::module_& m) {
                            .attr("format")(s.all.beams, s.all.packet_error_m, s.all.f1));
       });
   m.def("score", &scored, "real"_a, "simulated"_a, "model"_a.none(), "train"_a.none(), "cloud"_a,
-        "progress"_a.none(), "Compares a simulated log with the real log of the same beams.");
+        "options"_a, "progress"_a.none(),
+        "Compares a simulated log with the real log of the same beams.");
   m.def("compare_clouds", &clouds_compared, "real"_a, "simulated"_a, "progress"_a.none(),
         "Compares two logs that share no beams as point clouds, and returns the scores as JSON.");
   m.def(

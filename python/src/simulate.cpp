@@ -24,7 +24,7 @@ namespace {
 /// Where a simulated log goes: into memory unless `path` is set.
 struct Destination {
   std::optional<std::filesystem::path> path;
-  std::string profile, provenance;
+  std::string provenance;
 };
 
 /// The beams that are simulated: those of a log, of a sensor or of a rig on a trajectory.
@@ -64,7 +64,10 @@ std::pair<BeamLog, pipeline::SimulateCounts> simulated(const GivenWorld& model,
                                                        const nb::object& progress) {
   std::pair<BeamLog, pipeline::SimulateCounts> out;
   run_watched(progress, [&](const Hook& hook) {
-    report::WaveformOutputs waveforms(options.waveforms);
+    const std::string& profile = options.files.profile;
+    require(profile.empty() || to.path, "simulate: profile needs output");
+    check_options("simulate", report::simulate_files(), options.files);
+    report::WaveformOutputs waveforms(options.files.waveforms);
     waveforms.receive_from(options.pipeline);
     options.pipeline.check();
     const PreparedWorld target(model, options);
@@ -73,8 +76,8 @@ std::pair<BeamLog, pipeline::SimulateCounts> simulated(const GivenWorld& model,
     WatchedSource source(*fired, hook, "simulate");
     if (to.path) {
       out.second = pipeline::simulate_log(simulation, source, [&](BeamSource& log) {
-        if (to.profile.empty()) return io::export_log(*to.path, log, "", to.provenance);
-        io::export_driver_layout(*to.path, log, io::driver_layout_from_name(to.profile),
+        if (profile.empty()) return io::export_log(*to.path, log, "", to.provenance);
+        io::export_driver_layout(*to.path, log, io::driver_layout_from_name(profile),
                                  beams.path(*fired), to.provenance);
       });
     } else {
@@ -90,34 +93,32 @@ std::pair<BeamLog, pipeline::SimulateCounts> simulated(const GivenWorld& model,
 
 void bind_simulate_options(nb::module_& m) {
   using O = SimulateOptions;
+  m.def(
+      "simulate_options",
+      [] {
+        return rows_of(pipeline::simulate_options()) + rows_of(report::simulate_files()) +
+               rows_of(worlds::read_options());
+      },
+      nb::sig("def simulate_options() -> list[tuple[str, str, str, str, str]]"),
+      "Returns the table of the options of `simulate`: name, type, default, unit and help.");
   nb::class_<O>(m, "SimulateOptions", "The options of `simulate` and `Lidar`.")
       .def(nb::init<>())
       .def(
           "set",
           [](O& o, const std::string& name, nb::handle value) {
-            set_option("simulate", pipeline::simulate_options(), o.pipeline, name, value);
+            if (has_option(report::simulate_files(), name)) {
+              set_option("simulate", report::simulate_files(), o.files, name, value);
+            } else if (has_option(worlds::read_options(), name)) {
+              set_option("simulate", worlds::read_options(), o.read, name, value);
+            } else {
+              set_option("simulate", pipeline::simulate_options(), o.pipeline, name, value);
+            }
           },
           "name"_a, "value"_a, "Sets a row of the table of options.")
       .def_prop_rw(
           "seed", [](const O& o) { return o.pipeline.seed; },
           [](O& o, uint64_t v) { o.pipeline.seed = v; })
-      .def_rw("movers", &O::movers)
-      .def_rw("waveforms", &O::waveforms)
-      .def_prop_rw(
-          "up", [](const O& o) { return o.read.mesh.y_up ? "y" : "z"; },
-          [](O& o, const std::string& axis) {
-            require(axis == "y" || axis == "z", "simulate: up is y or z");
-            o.read.mesh.y_up = axis == "y";
-          })
-      .def_prop_rw(
-          "unit", [](const O& o) { return o.read.mesh.unit_m; },
-          [](O& o, double unit_m) {
-            require(unit_m > 0, "simulate: unit is positive");
-            o.read.mesh.unit_m = unit_m;
-          })
-      .def_prop_rw(
-          "assets", [](const O& o) { return o.read.assets; },
-          [](O& o, const std::filesystem::path& folder) { o.read.assets = folder; });
+      .def_rw("movers", &O::movers);
 }
 
 }  // namespace
@@ -126,10 +127,6 @@ void bind_simulate(nb::module_& m) {
   bind_simulate_options(m);
   using Like = std::optional<GivenLog>;
   using Rig = std::optional<std::filesystem::path>;
-  m.def(
-      "simulate_options", [] { return rows_of(pipeline::simulate_options()); },
-      nb::sig("def simulate_options() -> list[tuple[str, str, str, str, str]]"),
-      "Returns the table of the options of `simulate`: name, type, default, unit and help.");
   m.def(
       "simulate",
       [](const GivenWorld& model, const SimulateOptions& options, const Like& like,
@@ -141,18 +138,16 @@ void bind_simulate(nb::module_& m) {
       "trajectory"_a.none(), "progress"_a.none(), "Simulates beams into memory.");
   m.def(
       "simulate_to",
-      [](const std::filesystem::path& path, const std::string& profile,
-         const std::string& provenance, const GivenWorld& model, const SimulateOptions& options,
-         const Like& like, const sensor::Sensor* sensor, const Rig& rig,
-         const std::optional<Trajectory>& trajectory, const nb::object& progress) {
+      [](const std::filesystem::path& path, const std::string& provenance, const GivenWorld& model,
+         const SimulateOptions& options, const Like& like, const sensor::Sensor* sensor,
+         const Rig& rig, const std::optional<Trajectory>& trajectory, const nb::object& progress) {
         const pipeline::SimulateCounts c =
-            simulated(model, options, {like, sensor, rig, trajectory}, {path, profile, provenance},
-                      progress)
+            simulated(model, options, {like, sensor, rig, trajectory}, {path, provenance}, progress)
                 .second;
         return std::make_tuple(c.beams, c.rows, c.hits);
       },
-      "path"_a, "profile"_a, "provenance"_a, "model"_a, "options"_a, "like"_a.none(),
-      "sensor"_a.none(), "rig"_a.none(), "trajectory"_a.none(), "progress"_a.none(),
+      "path"_a, "provenance"_a, "model"_a, "options"_a, "like"_a.none(), "sensor"_a.none(),
+      "rig"_a.none(), "trajectory"_a.none(), "progress"_a.none(),
       "Simulates beams into a file; returns the numbers of beams, rows and hits.");
 }
 

@@ -10,14 +10,8 @@ import textwrap
 from underbrush import _core
 
 FILE = pathlib.Path(__file__).resolve().parents[1] / "underbrush" / "_parameters.py"
-# Options of `simulate` beside its table.
-OF_FILES = [
-    ("waveforms", "Sequence[str]", "", "", "Files (.csv, .svg, .waves) for waveforms; not of Lidar"),
-    ("up", "str", "z", "", "Axis that points up in the file of a mesh: y or z"),
-    ("unit", "float", "1", "m", "Length of the unit of the file of a mesh"),
-    ("assets", "str", "", "", "Folder in which a scene of HELIOS++ has its files, besides its own"),
-]
 NAMED_ARGUMENTS = ("class-density", "float")  # of the functions of Python, in another form
+BASES = {"optimize": "FitParameters"}  # The parameters that stay fixed.
 HEAD = '''"""The options of verbs; python/tests/make_parameters.py writes this file."""
 from __future__ import annotations
 
@@ -27,7 +21,7 @@ from typing import TypedDict
 '''
 CLASS = '''
 
-class {name}(TypedDict, total=False):
+class {name}({base}, total=False):
     """Options of `{verb}`, as docs/reference/{page} lists them."""
 
 '''
@@ -49,13 +43,13 @@ def fields(table: list[tuple[str, str, str, str, str]]) -> str:
 
 def text() -> str:
     """Returns the text of the file."""
-    tables = {"FitParameters": ("fit", "parameters.md", _core.fit_parameters()),
-              "SimulateParameters": ("simulate", "command-line.md", _core.simulate_options() + OF_FILES)}
-    for verb in ("import", "split", "segment", "movers", "actors", "extract", "compose", "perceive"):
+    tables = {"FitParameters": ("fit", "parameters.md", _core.fit_parameters() + _core.fit_log_options())}
+    for verb in ("simulate", "score", "optimize", "import", "split", "segment", "movers", "actors", "extract", "compose",
+                 "perceive"):
         rows = getattr(_core, verb + "_options")()
         tables[verb.capitalize() + "Parameters"] = (
             verb, "command-line.md", [row for row in rows if row[0] not in NAMED_ARGUMENTS])
-    return HEAD + "".join(CLASS.format(name=name, verb=verb, page=page) + fields(table)
+    return HEAD + "".join(CLASS.format(name=name, verb=verb, page=page, base=BASES.get(verb, "TypedDict")) + fields(table)
                           for name, (verb, page, table) in tables.items())
 
 

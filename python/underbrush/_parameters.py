@@ -66,6 +66,13 @@ class FitParameters(TypedDict, total=False):
     #: Side of the cells of the map of observed space; in unknown space, which no beam crossed, simulated beams end
     #: with a density that is learnt from the log; 0 = unknown space is empty (m; default 1).
     unknown_cell: float
+    #: first = a beam ends at its first echo; all = each echo is treated as a beam, and hit probabilities are shares
+    #: of the light (default first).
+    echoes: str
+    #: Fit a tile anew when the number of its returns has grown by this share since its last fit; 0 = always, so
+    #: that the elements are those of one fit of all logs (default 0.25).
+    growth: float
+    logs: str | os.PathLike[str]  #: Folder that now holds the logs of the model.
 
 
 class SimulateParameters(TypedDict, total=False):
@@ -116,10 +123,35 @@ class SimulateParameters(TypedDict, total=False):
     sun: float  #: Share of the sunlight that passes the air, which adds to the receiver's noise; 0 = night (default 0).
     waveform_every: int  #: Write the waveforms of beams 0, K, 2K, … (default 1).
     waveform_count: int  #: Largest number of waveforms in tables and plots (default 100).
-    waveforms: Sequence[str]  #: Files (.csv, .svg, .waves) for waveforms; not of Lidar.
-    up: str  #: Axis that points up in the file of a mesh: y or z (default z).
-    unit: float  #: Length of the unit of the file of a mesh (m; default 1).
-    assets: str  #: Folder in which a scene of HELIOS++ has its files, besides its own.
+    #: Write digitised waveforms: some beams as a table (.csv) or a plot (.svg), or all beams as .waves; may be
+    #: repeated.
+    waveforms: Sequence[str]
+    profile: str  #: Write a folder with a PCD file for each scan, in this driver's PointCloud2 layout.
+    up: str  #: Axis that points up in mesh files; in glTF files it is always y (default z).
+    unit: float  #: Length of the unit of mesh files (m; default 1).
+    assets: str | os.PathLike[str]  #: Folder with the files of a scene of HELIOS++, besides the folder of the scene.
+
+
+class ScoreParameters(TypedDict, total=False):
+    """Options of `score`, as docs/reference/command-line.md lists them."""
+
+    memory: str  #: Largest memory of the loaded regions of a world (default 2GiB).
+
+
+class OptimizeParameters(FitParameters, total=False):
+    """Options of `optimize`, as docs/reference/command-line.md lists them."""
+
+    #: What is minimised: packet_f1 = mean packet error + 2 (1 - F1); nll = the mean negative log-likelihood of a
+    #: beam (default packet_f1).
+    objective: str
+    tune: Sequence[str]  #: Options of fit to tune instead of the usual ones.
+    budget: int  #: Largest number of evaluations (default 60).
+    slice: Sequence[float]  #: Use the scans that begin in [FROM, TO), s after the log's start (default 0,10).
+    #: Score every N-th scan and fit the others; where there are fewer than N scans, groups of beams take the place
+    #: of scans (default 4).
+    validate: int
+    algorithm: str  #: Search algorithm of NLopt (default cobyla).
+    step: float  #: First step, as a share of each parameter's range (default 0.2).
 
 
 class ImportParameters(TypedDict, total=False):
@@ -210,6 +242,7 @@ class MoversParameters(TypedDict, total=False):
 class ActorsParameters(TypedDict, total=False):
     """Options of `actors`, as docs/reference/command-line.md lists them."""
 
+    boxes_elevation_deg: float  #: Turn labelled boxes up by this angle, if import turned the beams by it (default 0).
     margin: float  #: Distance outside a box up to which returns belong to the object of the box (m; default 0.3).
     foot: float  #: Height above the bottom of a box up to which returns are those of the ground (m; default 0.15).
     least_returns: int  #: Leave out objects with fewer returns in all scans (default 30).
@@ -261,7 +294,7 @@ class PerceiveParameters(TypedDict, total=False):
     #: truth (default model).
     pipeline: str
     rig: str | os.PathLike[str]  #: File with the sensors of the vehicle, for a log of several sensors.
-    min_range: float  #: Ignore hits nearer than this, m, such as those on the own vehicle (default 0).
+    min_range: float  #: Ignore hits nearer than this; for example those on the own vehicle (m; default 0).
     #: Height of the sensor above the ground, on which the vehicle's frame stands; the file of a rig has the heights
     #: of its sensors (m; default 0).
     sensor_height: float

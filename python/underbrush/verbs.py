@@ -5,7 +5,7 @@ import json
 import os
 import tempfile
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 from underbrush import _core
 from underbrush._core import BeamLog, Model, ObjectLists, Primitives, Scene, Score, Sensor, Trajectory, Tuning
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from underbrush._parameters import (ActorsParameters, ComposeParameters, ExtractParameters, FitParameters,
-                                        ImportParameters, MoversParameters, PerceiveParameters, SegmentParameters,
-                                        SimulateParameters, SplitParameters)
+                                        ImportParameters, MoversParameters, OptimizeParameters, PerceiveParameters,
+                                        ScoreParameters, SegmentParameters, SimulateParameters, SplitParameters)
 
 Path = str | os.PathLike[str]
 #: A log, or the path of one (.ply or .ublog, as `underbrush import` writes it) or of a recording (bag, LAS, pcap, E57).
@@ -80,6 +80,13 @@ def _set(core: Any, options: Mapping[str, Any]) -> Any:
     return core
 
 
+def _divided(table: Sequence[tuple[str, ...]], options: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Divides options into those of the table of a verb and all others."""
+    names = {row[0].replace("-", "_") for row in table}
+    return ({name: value for name, value in options.items() if name in names},
+            {name: value for name, value in options.items() if name not in names})
+
+
 def _sensor(sensor: Sensor | str | None) -> Sensor | None:
     return Sensor(sensor) if isinstance(sensor, str) else sensor
 
@@ -94,11 +101,11 @@ def report_of(value: Model | Scene | Primitives | ObjectLists) -> dict[str, Any]
 
 
 def fit(log: Log, output: Path | None = None, *, seed: int = 1, sensor: Sensor | str | None = None,
-        echoes: Literal["first", "all"] = "first", update: Model | Path | None = None, growth: float = 0.25,
-        logs: Path = "", progress: Progress | None = None, **parameters: Unpack[FitParameters]) -> Model:
+        update: Model | Path | None = None, progress: Progress | None = None,
+        **options: Unpack[FitParameters]) -> Model:
     """Learns a model from a log: ground mesh, ellipsoids, hit probabilities.
 
-    `parameters` are the options of `underbrush fit` with `_` for `-`, such as `fitter`, `tau` and `clusters_per_point`.
+    `options` are those of `underbrush fit` with `_` for `-`, such as `fitter`, `tau` and `clusters_per_point`.
     The footprint of the beam of `sensor` is removed from the ellipsoids. With `echoes` "all", each echo is treated as a
     beam, and hit probabilities are shares of the light. With `output`, the model's folder is written too. The log is
     read in chunks, so a path may be that of a log larger than memory. `report_of` has the counts.
@@ -110,17 +117,15 @@ def fit(log: Log, output: Path | None = None, *, seed: int = 1, sensor: Sensor |
     Raises `ValueError` for a parameter out of range or a log without returns, `TypeError` for an unknown parameter,
     `FormatError`, `OSError`.
     """
-    given: dict[str, Any] = dict(parameters)
-    if update is None:
-        if growth != 0.25 or os.fspath(logs) != "":
-            raise ValueError("fit: growth and logs require update")
-    elif given or sensor is not None or echoes != "first" or seed != 1:
+    of_log, given = _divided(_core.fit_log_options(), options)
+    core = _set(_core.FitLogOptions(), of_log)
+    if update is not None and (given or sensor is not None or "echoes" in of_log or seed != 1):
         raise ValueError("fit: the parameters of a model hold, so update excludes parameters, sensor, echoes and seed")
     with _shown(progress) as shown:
         if update is None:
-            model = _core.fit(_log(log), given, seed, _sensor(sensor), echoes, _provenance("fit", seed, **given), shown)
+            model = _core.fit(_log(log), given, seed, _sensor(sensor), core, _provenance("fit", seed, **given), shown)
         else:
-            model = _core.update(_log(log), update, growth, logs, _provenance("fit", seed), shown)
+            model = _core.update(_log(log), update, core, _provenance("fit", seed), shown)
     if output is not None:
         _core.write_model(output, model)
     return model
@@ -130,37 +135,33 @@ def _options(seed: int, movers: Sequence[Mover], keywords: Mapping[str, Any]) ->
     options = _core.SimulateOptions()
     options.seed = seed
     options.movers = list(movers)
-    of_files = ("waveforms", "up", "unit", "assets")
-    for name in of_files:
-        if name in keywords:
-            setattr(options, name, keywords[name])
-    _set(options, {name: value for name, value in keywords.items() if name not in of_files})
+    _set(options, keywords)
     return options
 
 
 @overload
 def simulate(model: World, *, like: Log | None = ..., sensor: Sensor | str | None = ...,
-             rig: Path | None = ..., trajectory: Trajectory | Path | None = ..., output: None = ..., profile: str = ..., seed: int = ...,
+             rig: Path | None = ..., trajectory: Trajectory | Path | None = ..., output: None = ..., seed: int = ...,
              movers: Sequence[Mover] = ..., progress: Progress | None = ...,
              **options: Unpack[SimulateParameters]) -> BeamLog: ...
 
 
 @overload
 def simulate(model: World, *, like: Log | None = ..., sensor: Sensor | str | None = ...,
-             rig: Path | None = ..., trajectory: Trajectory | Path | None = ..., output: Path, profile: str = ..., seed: int = ...,
+             rig: Path | None = ..., trajectory: Trajectory | Path | None = ..., output: Path, seed: int = ...,
              movers: Sequence[Mover] = ..., progress: Progress | None = ...,
              **options: Unpack[SimulateParameters]) -> dict[str, int]: ...
 
 
 def simulate(model: World, *, like: Log | None = None, sensor: Sensor | str | None = None,
              rig: Path | None = None, trajectory: Trajectory | Path | None = None, output: Path | None = None,
-             profile: str = "", seed: int = 1, movers: Sequence[Mover] = (), progress: Progress | None = None,
+             seed: int = 1, movers: Sequence[Mover] = (), progress: Progress | None = None,
              **options: Unpack[SimulateParameters]) -> BeamLog | dict[str, int]:
     """Simulates the beams of a log (`like`), or of a sensor or a rig (YAML) on a trajectory, in a model or scene.
 
     The path of a mesh, of a scene of HELIOS++ or of voxels of AMAPVox is a world, too, and with one pose a sensor makes
     one turn or frame. Returns the simulated log. With `output` (.ply, .ublog, .pcd, .csv, a KITTI folder; with
-    `profile` "velodyne", "ouster" or "autoware" a folder of PCD files), it is written there in chunks instead, and the
+    `profile` a folder of PCD files), it is written there in chunks instead, and the
     result has the numbers of beams, rows and hits. `movers` are objects that move. If `actors`, `tau`, `grain` or
     `movers` are given, the model or scene is copied.
 
@@ -170,8 +171,6 @@ def simulate(model: World, *, like: Log | None = None, sensor: Sensor | str | No
         raise ValueError("simulate: give like or trajectory, not both")
     if rig is not None and sensor is not None:
         raise ValueError("simulate: give sensor or rig, not both")
-    if profile and output is None:
-        raise ValueError("simulate: profile needs output")
     path = trajectory if trajectory is None or isinstance(trajectory, Trajectory) else _core.read_trajectory(trajectory)
     given: dict[str, Any] = dict(options)
     like = None if like is None else _log(like)
@@ -179,7 +178,7 @@ def simulate(model: World, *, like: Log | None = None, sensor: Sensor | str | No
     with _shown(progress) as shown:
         if output is None:
             return _core.simulate(model, core, like, _sensor(sensor), rig, path, shown)
-        beams, rows, hits = _core.simulate_to(output, profile, _provenance("simulate", seed, **given), model, core,
+        beams, rows, hits = _core.simulate_to(output, _provenance("simulate", seed, **given), model, core,
                                               like, _sensor(sensor), rig, path, shown)
     return {"beams": beams, "rows": rows, "hits": hits}
 
@@ -194,19 +193,19 @@ def _file_of(log: Log, folder: str, name: str) -> Path:
 
 
 def score(real: Log, simulated: Log, *, model: World | None = None, train: Log | None = None, cloud: bool = True,
-          report: Path | None = None, progress: Progress | None = None) -> Score:
+          report: Path | None = None, progress: Progress | None = None, **options: Unpack[ScoreParameters]) -> Score:
     """Compares a simulated log with the real log of the same beams, beam by beam.
 
-    With `model`, likelihood and CRPS under the ray model are computed; without `cloud`, cloud error and density-aware
-    Chamfer distance are left out. `Score.baselines` has the scores that a simulator must beat: those of "always hit",
-    in which each beam returns at the median range of its ring, and with `train`, the log that the model was fitted to,
-    those of "look-up", which takes the return of the nearest training point for each beam. With `report`, a page of
-    tables, plots and pictures is written into that folder. Raises `ValueError` (`FormatError` for files) where the
-    beams differ in number, scan, ring or origin, and `OSError`.
+    With `model`, likelihood and CRPS under the ray model are computed, for a world of regions within `memory`. Without
+    `cloud`, cloud error and density-aware Chamfer distance are left out. `Score.baselines` has the scores that a
+    simulator must beat: those of "always hit", in which each beam returns at the median range of its ring, and with
+    `train`, the log that the model was fitted to, those of "look-up", which takes the return of the nearest training
+    point for each beam. With `report`, a page of tables, plots and pictures is written into that folder. Raises
+    `ValueError` (`FormatError` for files) where the beams differ in number, scan, ring or origin, and `OSError`.
     """
     real, simulated, train = _log(real), _log(simulated), None if train is None else _log(train)
     with _shown(progress) as shown:
-        scores = _core.score(real, simulated, model, train, cloud, shown)
+        scores = _core.score(real, simulated, model, train, cloud, _set(_core.ScoreOptions(), dict(options)), shown)
     if report is not None:
         with tempfile.TemporaryDirectory() as folder:
             files = _file_of(real, folder, "real"), _file_of(simulated, folder, "simulated")
@@ -289,18 +288,17 @@ def movers(log: Log, output: Path | None = None, *, progress: Progress | None = 
     return Marked(marked, json.loads(report))
 
 
-def actors(log: Log, output: Path, *, boxes: Path | None = None, boxes_elevation_deg: float = 0, seed: int = 1,
-           progress: Progress | None = None, **options: Unpack[ActorsParameters]) -> LearntActors:
+def actors(log: Log, output: Path, *, boxes: Path | None = None, seed: int = 1, progress: Progress | None = None,
+           **options: Unpack[ActorsParameters]) -> LearntActors:
     """Learns the objects that moved during a log as models with trajectories, and writes the folder `output`.
 
-    `boxes` is a file of labelled boxes, which are turned up by `boxes_elevation_deg`, or of lists of objects; without
-    it, moving objects are found. `options` are those of `underbrush actors` with `_` for `-`, such as `margin` (m).
-    Give `marked` to `fit`, and the folder to `simulate` as `actors`. Raises `ValueError`, `TypeError`, `FormatError`
-    (also where nothing moved), `OSError`.
+    `boxes` is a file of labelled boxes or of lists of objects; without it, moving objects are found. `options` are
+    those of `underbrush actors` with `_` for `-`, such as `margin` (m). Give `marked` to `fit`, and the folder to
+    `simulate` as `actors`. Raises `ValueError`, `TypeError`, `FormatError` (also where nothing moved), `OSError`.
     """
     given: dict[str, Any] = dict(options)
     with _shown(progress) as shown:
-        marked, report = _core.actors(_log(log), boxes, boxes_elevation_deg, output, _set(_core.ActorOptions(), given),
+        marked, report = _core.actors(_log(log), boxes, output, _set(_core.ActorOptions(), given),
                                       seed, _provenance("actors", seed, **given), shown)
     return LearntActors(marked, json.loads(report))
 
@@ -368,30 +366,29 @@ def perceive(log: Log, output: Path | None = None, *, write_truth: Path | None =
     return lists
 
 
-def optimize(log: Log, *, objective: str = "packet_f1", tune: Sequence[str] = (), budget: int = 60,
-             slice: tuple[float, float] = (0.0, 10.0), validate: int = 4, algorithm: str = "cobyla", step: float = 0.2,
-             seed: int = 1, annotation: Path | None = None, primitives: Path | None = None, allow_outside: bool = False,
-             sensor: Sensor | str | None = None, report: Path | None = None, progress: Progress | None = None,
-             **parameters: Unpack[FitParameters]) -> Tuning:
+def optimize(log: Log, *, seed: int = 1, annotation: Path | None = None, primitives: Path | None = None,
+             allow_outside: bool = False, sensor: Sensor | str | None = None, report: Path | None = None,
+             progress: Progress | None = None, **options: Unpack[OptimizeParameters]) -> Tuning:
     """Tunes the parameters of a fit on a slice of the training log.
 
     `slice` takes the scans that begin in [from, to), s after the log's start; one in `validate` of them is scored and
-    not fitted. `tune` names the parameters (the usual ones if empty), `parameters` sets the fixed ones. With
+    not fitted. `tune` names the parameters (the usual ones if empty), and options of `fit` set the fixed ones. With
     `annotation` and `primitives`, the class densities of a composed scene are tuned instead. `Tuning.parameters` has
     the best values. With `report`, a folder, a page with the search's progress is written too. Raises `ValueError`,
     `TypeError`, `FormatError`, `OSError`.
     """
-    core = _core.TuneOptions()
-    core.objective, core.tune, core.budget, core.slice = objective, [n.replace("_", "-") for n in tune], budget, slice
-    core.validate, core.algorithm, core.step, core.seed = validate, algorithm, step, seed
     if (annotation is None) != (primitives is None):
         raise ValueError("optimize: annotation and primitives belong together")
+    given, parameters = _divided(_core.optimize_options(), options)
+    if annotation is None and "tune" in given:
+        given["tune"] = [name.replace("_", "-") for name in given["tune"]]
+    core = _set(_core.TuneOptions(), given)
+    core.seed = seed
     with _shown(progress) as shown:
         if annotation is not None and primitives is not None:
-            core.tune = list(tune)
             tuning = _core.optimize_scene(_log(log), core, annotation, os.fspath(primitives), allow_outside, shown)
         else:
-            tuning = _core.optimize_fit(_log(log), core, dict(parameters), _sensor(sensor), shown)
+            tuning = _core.optimize_fit(_log(log), core, parameters, _sensor(sensor), shown)
     if report is not None:
         fixed = {name.replace("_", "-"): str(value) for name, value in parameters.items()}
         _core.write_tuning_report(report, tuning, json.dumps(fixed), _provenance("optimize", seed))

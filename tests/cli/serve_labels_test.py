@@ -172,6 +172,10 @@ class ServeLabels(unittest.TestCase):
         self.assertEqual(listed["fit"]["fitter"]["choices"][0], listed["fit"]["fitter"]["default"])
         self.assertEqual((listed["simulate"]["sun"]["least"], listed["simulate"]["sun"]["most"]), (0, 1))
         self.assertEqual(listed["fit"]["tau"]["most"], 20)
+        self.assertEqual(listed["fit"]["echoes"]["choices"], ["first", "all"])
+        self.assertEqual(listed["score"]["protocol"]["choices"], ["kitti360", "clouds"])
+        command = self.server.json_of("api/jobs/command?verb=score&real=0&simulated=0&model=3&train=0&name=s.json")["command"]
+        self.assertRegex(command, r"^underbrush score \S+/log.ply \S+/log.ply --model \S+/scene --train \S+/log.ply --json ")
         free = {"fit": ("start",), "simulate": ("materials", "material", "super-sample", "returns")}
         for verb, names in free.items():  # no free text reaches a command line
             self.assertFalse(set(names) & set(listed[verb]))

@@ -17,6 +17,7 @@
 #include "underbrush/pipeline/simulate_options.hpp"
 #include "underbrush/pipeline/split_log.hpp"
 #include "underbrush/rasters/rasters.hpp"
+#include "underbrush/worlds/read_world.hpp"
 
 namespace underbrush::pipeline {
 namespace {
@@ -44,6 +45,7 @@ TEST(Options, ThoseWithAUnitHaveLimits) {
   expect_limits("rasters", rasters::raster_options());
   expect_limits("segment", segment_options());
   expect_limits("simulate", simulate_options());
+  expect_limits("simulate", worlds::read_options());
   expect_limits("split", split_options());
   for (const fit::Parameter& p : fit::parameters()) {
     if (p.unit.empty()) continue;

@@ -10,7 +10,7 @@ import readme
 import rules
 
 # Pages that are written when the program is built. They may be absent from the tree; their headings are not known.
-GENERATED = {f"docs/reference/{name}.md" for name in ("command-line", "parameters", "sensor-catalogue", "materials")}
+GENERATED = {f"docs/reference/{name}.md" for name in ("command-line", "strategies", "fmu-variables", "parameters", "sensor-catalogue", "materials")}
 INDEX = "docs/README.md"
 LINK = re.compile(r"!?\[[^\]]*\]\(([^()\s]+)\)|^\[[^\]]+\]:\s+(\S+)", re.MULTILINE)
 FENCE = re.compile(r"^(```|~~~).*?^\1\s*$", re.DOTALL | re.MULTILINE)

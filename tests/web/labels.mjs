@@ -233,9 +233,13 @@ export async function composeScene({ page, expect, ready, accessible, picture, p
   expect(swiped.drawn !== whole.drawn && split.drawn !== swiped.drawn, 'both sides are drawn');
   await page.getByRole('button', { name: 'Errors' }).click();
   await page.waitForFunction(() => /^Errors from/.test(document.querySelector('#status').innerText));
+  await page.getByText('Options of score', { exact: true }).click();
+  await page.getByLabel('Training log').selectOption({ label: 'log.ply' });
   await page.getByRole('button', { name: 'Score' }).click();
   await page.waitForFunction(() => /score (done|failed)/.test(document.documentElement.dataset.jobs), null, { polling: 100 });
   await page.waitForFunction(() => /packet_error_m/.test(document.querySelector('#details').innerText));
+  const scored = await page.locator('.jobs').innerText();
+  expect(/underbrush score .* --model .*scene-.* --train .*log.ply/.test(scored), `the score has its baselines: ${scored}`);
   await page.locator('#view').press('Escape');
   const errors = await picture('errors');
   expect(errors.colours > 4, 'errors have colours');

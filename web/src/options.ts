@@ -27,7 +27,8 @@ function control(option: Option): Control {
     return { row: row('check', box, label), given: () => (box.checked ? 'true' : '') };
   }
   if (option.choices.length > 0) {
-    const box = el('select', { 'aria-label': label }, ...option.choices.map((word) => el('option', { value: word }, word)));
+    const words = option.choices.includes(option.default) ? option.choices : [option.default, ...option.choices];
+    const box = el('select', { 'aria-label': label }, ...words.map((word) => el('option', { value: word }, word)));
     box.value = option.default;
     return { row: row('', label, box), given: () => (box.value === option.default ? '' : box.value) };
   }

@@ -16,6 +16,8 @@ class Chooser {
     private readonly app: App,
     label: string,
     private readonly kinds: readonly ('log' | 'model' | 'primitives' | 'scene')[],
+    /** What is shown for no file; without it, one must be chosen. */
+    private readonly none = '',
   ) {
     this.row = el('label', { class: 'row' }, label, this.box);
     this.refresh();
@@ -24,13 +26,21 @@ class Chooser {
   refresh(): void {
     const kept = this.box.value;
     const files = this.kinds.flatMap((kind) => this.app.of(kind));
-    this.box.replaceChildren(...files.map((f) => el('option', { value: `${f.id}` }, f.name)));
+    this.box.replaceChildren(
+      ...(this.none ? [el('option', { value: '' }, this.none)] : []),
+      ...files.map((f) => el('option', { value: `${f.id}` }, f.name)),
+    );
     if (files.some((f) => `${f.id}` === kept)) this.box.value = kept;
   }
 
   get id(): number {
     if (this.box.value === '') throw new Error(`There is no ${this.kinds.join(' or ')}`);
     return Number(this.box.value);
+  }
+
+  /** The chosen file, if any. */
+  get chosen(): number | undefined {
+    return this.box.value === '' ? undefined : Number(this.box.value);
   }
 
   set(id: number): void {
@@ -45,8 +55,11 @@ export class Workflow {
   readonly set: Chooser;
   readonly world: Chooser;
   private readonly simulated: Chooser;
+  /** The world that made the simulated log, and the log that the model was fitted to: for scores. */
+  private readonly scored: Chooser;
+  private readonly train: Chooser;
   private readonly labelFile = el('select', { 'aria-label': 'File of labels' });
-  private readonly labelSet = el('select', { 'aria-label': 'Numbers of the file' });
+  private readonly labelSet = el('select', { 'aria-label': 'Numbers of the file' }, el('option', { value: '' }, 'as the file says'));
   /** The options of commands, by command. */
   private readonly forms = new Map<string, OptionForm>();
   private readonly formBox = el('div');
@@ -64,8 +77,8 @@ export class Workflow {
     this.set = new Chooser(app, 'Primitives', ['primitives']);
     this.world = new Chooser(app, 'World', ['scene', 'model']);
     this.simulated = new Chooser(app, 'Simulated', ['log']);
-    const sets = ['', 'semantickitti', 'rellis', 'underbrush'];
-    this.labelSet.append(...sets.map((set) => el('option', { value: set }, set || 'as the file says')));
+    this.scored = new Chooser(app, 'Model of the simulation', ['scene', 'model'], 'none');
+    this.train = new Chooser(app, 'Training log', ['log'], 'none');
     this.labelFile.addEventListener('focus', () => app.run(this.listLabelFiles()));
     const step = (text: string, title: string, work: () => Promise<unknown>) => button(text, title, () => app.run(work()));
     app.section(
@@ -91,7 +104,7 @@ export class Workflow {
       el('div', { class: 'buttons' }, step('Import', 'Take labels over from this file of the folder for labels', () => this.importLabels())),
     );
     jobs.onFiles.push(() => {
-      [this.log, this.model, this.set, this.world, this.simulated].forEach((c) => c.refresh());
+      [this.log, this.model, this.set, this.world, this.simulated, this.scored, this.train].forEach((c) => c.refresh());
       app.run(this.listLabelFiles());
       labeller.listLogs();
     });
@@ -102,7 +115,10 @@ export class Workflow {
   private async listOptions(): Promise<void> {
     for (const [verb, options] of Object.entries(await json<Record<string, Option[]>>('jobs/options'))) {
       this.forms.set(verb, new OptionForm(verb, options));
+      const sets = options.find((option) => verb === 'segment' && option.name === 'label-set')?.choices ?? [];
+      this.labelSet.append(...sets.map((set) => el('option', { value: set }, set)));
     }
+    this.forms.get('score')?.box.append(this.scored.row, this.train.row);
     this.formBox.replaceChildren(...[...this.forms.values()].map((form) => form.box));
   }
 
@@ -143,7 +159,8 @@ export class Workflow {
 
   private async score(): Promise<void> {
     const name = this.jobs.freshName(`${this.stem(this.simulated)}-score`, '.json');
-    await this.jobs.runAndShow('score', { real: this.log.id, simulated: this.simulated.id, name });
+    const files = { real: this.log.id, simulated: this.simulated.id, model: this.scored.chosen, train: this.train.chosen };
+    await this.jobs.runAndShow('score', { ...this.given('score'), ...files, name });
   }
 
   showFile(id: number): Promise<void> {
@@ -201,7 +218,9 @@ export class Workflow {
 
   async fit(): Promise<void> {
     const name = this.jobs.freshName(`${this.stem(this.log)}-model`);
-    this.model.set(await this.jobs.runAndShow('fit', { ...this.given('fit'), log: this.log.id, name }));
+    const log = this.log.id;
+    this.model.set(await this.jobs.runAndShow('fit', { ...this.given('fit'), log, name }));
+    this.train.set(log);
   }
 
   async extract(): Promise<void> {
@@ -212,6 +231,8 @@ export class Workflow {
   /** Simulates the beams of the log in the world, with the actors of a list of edits if one is named. */
   async simulate(actors?: string): Promise<void> {
     const name = this.jobs.freshName(`${this.stem(this.world)}-scan`, '.ply');
-    this.simulated.set(await this.jobs.runAndShow('simulate', { ...this.given('simulate'), world: this.world.id, like: this.log.id, actors, name }));
+    const world = this.world.id;
+    this.simulated.set(await this.jobs.runAndShow('simulate', { ...this.given('simulate'), world, like: this.log.id, actors, name }));
+    if (actors === undefined) this.scored.set(world);
   }
 }

@@ -98,15 +98,16 @@ std::vector<Track> find_tracks(BeamSource& log, const ActorOptions& options) {
   return out;
 }
 
-std::vector<Track> tracks_of_log(BeamSource& log, const std::string& file, const BoxFile& boxes,
-                                 const ActorOptions& options) {
+std::vector<Track> tracks_of_log(BeamSource& log, const std::string& file,
+                                 const std::filesystem::path& boxes, const ActorOptions& options) {
   std::vector<Track> tracks;
-  if (boxes.path.empty()) {
+  if (boxes.empty()) {
     tracks = find_tracks(log, options);
-  } else if (perception::is_labelled_box_file(boxes.path)) {
-    tracks = tracks_of(perception::LogTruth(boxes.path, log.info(), {boxes.elevation_rad}).seen());
+  } else if (perception::is_labelled_box_file(boxes)) {
+    tracks = tracks_of(
+        perception::LogTruth(boxes, log.info(), {options.boxes_elevation_deg * kDegree}).seen());
   } else {
-    tracks = tracks_of(boxes_of(osi::read_lists(boxes.path), log.info()));
+    tracks = tracks_of(boxes_of(osi::read_lists(boxes), log.info()));
   }
   if (tracks.empty()) throw FormatError(file, "", "there is no track of anything that moved");
   return tracks;

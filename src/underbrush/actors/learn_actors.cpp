@@ -6,6 +6,7 @@
 
 #include "underbrush/actors/actor_beams.hpp"
 #include "underbrush/actors/mirror.hpp"
+#include "underbrush/perception/perceive_options.hpp"
 
 namespace underbrush::actors {
 namespace {
@@ -113,7 +114,9 @@ std::span<const Option<ActorOptions>> actor_options() {
   using O = ActorOptions;
   // clang-format off
   static const Option<O> kOptions[] = {
-    {"margin", "", "m",
+    {"boxes-elevation-deg", "", "", perception::kElevationHelp,
+     [](O& o) -> auto& { return o.boxes_elevation_deg; }, -90, 90},
+    {"margin", "", "m", 
      "Distance outside a box up to which returns belong to the object of the box",
      [](O& o) -> auto& { return o.boxes.margin_m; }, 0, 5},
     {"foot", "", "m",

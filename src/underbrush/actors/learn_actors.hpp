@@ -16,6 +16,7 @@ namespace underbrush::actors {
 
 /// The options of `learn_actors` and `find_tracks`.
 struct ActorOptions {
+  double boxes_elevation_deg = 0;  ///< Labelled boxes are turned up by it.
   BoxOptions boxes;
   RegistrationOptions registration;
   size_t least_returns = 30;    ///< An actor with fewer is left out.
@@ -63,16 +64,11 @@ LearntActors learn_actors(BeamSource& log, const std::vector<Track>& tracks,
 /// `DataError` for a log that cannot be tracked.
 std::vector<Track> find_tracks(BeamSource& log, const ActorOptions& options);
 
-/// A file of labelled boxes or lists of objects.
-struct BoxFile {
-  std::filesystem::path path;  ///< Empty: what moved is found in the log (`find_tracks`).
-  double elevation_rad = 0;    ///< Labelled boxes are turned up by it, as import turned the beams.
-};
-
-/// The tracks of a log, which messages call `file`. The log has a row a beam. Throws `FormatError`,
-/// also where there are none.
-std::vector<Track> tracks_of_log(BeamSource& log, const std::string& file, const BoxFile& boxes,
-                                 const ActorOptions& options);
+/// The tracks of a log, which messages call `file`, as a file of labelled boxes or of lists of
+/// objects has them; without it what moved is found (`find_tracks`). The log has a row a beam.
+/// Throws `FormatError`, also where there are none.
+std::vector<Track> tracks_of_log(BeamSource& log, const std::string& file,
+                                 const std::filesystem::path& boxes, const ActorOptions& options);
 
 /// Marks the returns of tracks (`kMover`) in a chunk of a log; other marks stay. Returns how many
 /// returns are those of tracks.

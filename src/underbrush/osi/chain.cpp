@@ -86,7 +86,7 @@ ChainFile default_chain() {
 ChainFile traced_chain() {
   ChainFile file = default_chain();
   file.strategies.insert(file.strategies.begin(), {"tracer", "", {}, "chain", "tracer"});
-  for (const char* name : {"tracer", "front_end"}) file.set(name, "sensor", "ibeo-lux-2010");
+  for (const char* name : {"tracer", "front_end"}) file.set(name, "sensor", kTracedSensor);
   file.set("tracer", "x_m", "3.7");
   file.set("tracer", "z_m", "0.3");
   return file;

@@ -2,6 +2,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/osi/strategies.hpp"
+#include "underbrush/perception/perceive_options.hpp"
 
 namespace underbrush::osi {
 namespace {
@@ -40,19 +41,17 @@ class GridStep : public Strategy {
 }  // namespace
 
 std::unique_ptr<Strategy> make_grid(Parameters& p) {
-  perception::GridOptions o;
-  o.cell_m = p.number("cell_m", o.cell_m, 0.01, 10);
-  o.half_side_m = p.number("half_side_m", o.half_side_m, 1, 500);
-  o.low_m = p.number("low_m", o.low_m, -10, 100);
-  o.high_m = p.number("high_m", o.high_m, -10, 100);
-  o.memory = p.number("memory", o.memory, 0, 1);
+  perception::PerceiveOptions options;
+  for (const auto& row : perception::perceive_options()) {
+    if (row.group == "Grid" && row.name != "label-probability") p.set(row, options);
+  }
   const double axle = p.number("axle_height_m", 0.3, -5, 5);
   perception::FreeAreaOptions area;
   area.bearings = uint32_t(p.count("bearings", area.bearings, 3600));
   area.free_probability = p.number("free_probability", area.free_probability, 0, 1);
   if (area.bearings < 3) p.fail("bearings", "must be at least 3");
   try {
-    return std::make_unique<GridStep>(o, area, axle);
+    return std::make_unique<GridStep>(options.grid, area, axle);
   } catch (const std::invalid_argument& e) {
     p.fail("", e.what());
   }

@@ -1,6 +1,7 @@
 #include "underbrush/osi/osi_options.hpp"
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/perception/perceive_options.hpp"
 
 namespace underbrush::osi {
 
@@ -37,8 +38,7 @@ std::span<const Option<OsiOptions>> osi_options() {
      "record, convert: intensity of a white target in the log, from which signal strengths are "
      "computed",
      [](O& o) -> auto& { return o.lidar.white_intensity; }, kPositive, kNoLimit},
-    {"truth-elevation-deg", "More options", "",
-     "record: turn labelled boxes up by this angle, if import turned the beams by it",
+    {"truth-elevation-deg", "More options", "", perception::kElevationHelp,
      [](O& o) -> auto& { return o.truth_elevation_deg; }, -90, 90},
   };
 // clang-format on

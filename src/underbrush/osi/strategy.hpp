@@ -3,14 +3,15 @@
 /// objects, as [rosenberger20] §4 has them in an FMU. A strategy sees only OSI's SensorData and its
 /// own parameters.
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "underbrush/core/option.hpp"
 #include "underbrush/osi/sensor_data.hpp"
 
 namespace underbrush::osi {
@@ -37,29 +38,64 @@ struct StrategyEntry {
   std::string file, place;  ///< Where the entry stands, for errors.
 };
 
+/// A parameter of a strategy, for people to read.
+struct StrategyParameter {
+  std::string key, fallback;  ///< Its name and its default.
+  std::string values;         ///< What it may be; "" = any text.
+};
+
 /// The parameters of an entry, by name. All functions throw `FormatError`, which names the place,
 /// for a value of the wrong kind or out of range.
 class Parameters {
  public:
   explicit Parameters(const StrategyEntry& entry) : entry_(entry) {}
-  double number(const char* key, double fallback, double least, double most);
-  uint64_t count(const char* key, uint64_t fallback, uint64_t most);
-  bool flag(const char* key, bool fallback);
-  std::string text(const char* key, const char* fallback);
+  double number(const std::string& key, double fallback, double least, double most);
+  uint64_t count(const std::string& key, uint64_t fallback, uint64_t most);
+  bool flag(const std::string& key, bool fallback);
+  std::string text(const std::string& key, const char* fallback);
   /// One of several words; returns its index.
-  size_t choice(const char* key, std::initializer_list<const char*> words, size_t fallback = 0);
+  size_t choice(const std::string& key, const std::vector<std::string_view>& words);
+  /// Sets an option from the parameter of its name, which has `_` for `-` and ends with the unit.
+  template <class T>
+  void set(const Option<T>& option, T& options) {
+    std::string key(option.name);
+    std::replace(key.begin(), key.end(), '-', '_');
+    const std::string unit = "_" + std::string(option.unit);
+    if (unit.size() > 1 && !key.ends_with(unit)) key += unit;
+    std::visit(
+        [&](const auto field) {
+          auto& place = field(options);
+          using Value = std::decay_t<decltype(place)>;
+          if constexpr (std::is_same_v<Value, bool>) {
+            place = flag(key, place);
+          } else if constexpr (std::is_same_v<Value, std::string>) {
+            place = std::string(option.choices[choice(key, option.choices)]);
+          } else if constexpr (std::is_floating_point_v<Value>) {
+            place = number(key, place, option.least, option.most);
+          } else if constexpr (std::is_arithmetic_v<Value>) {
+            place = Value(count(key, uint64_t(place), uint64_t(option.most)));
+          }
+        },
+        option.field);
+  }
   /// Throws where the entry has a parameter that was not asked for.
   void finish() const;
+  /// The parameters that were asked for, in this order.
+  const std::vector<StrategyParameter>& known() const { return known_; }
   [[noreturn]] void fail(const std::string& key, const std::string& reason) const;
 
  private:
-  const std::string* find(const char* key);
+  const std::string* find(const StrategyParameter& parameter);
   const StrategyEntry& entry_;
-  std::set<std::string> known_;
+  std::vector<StrategyParameter> known_;
 };
 
+/// The sensor of a tracer unless another is given.
+inline constexpr const char* kTracedSensor = "ibeo-lux-2010";
 /// The names of our strategies, in the order in which a chain has them.
 const std::vector<std::string>& strategy_names();
+/// The parameters of one of our strategies.
+std::vector<StrategyParameter> parameters_of(const std::string& strategy);
 /// Makes a strategy. Throws `FormatError` for an unknown name or wrong parameters.
 std::unique_ptr<Strategy> make_strategy(const StrategyEntry& entry);
 

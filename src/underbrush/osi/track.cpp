@@ -6,14 +6,11 @@
 #include "underbrush/perception/false_positives.hpp"
 #include "underbrush/perception/object_pipeline.hpp"
 #include "underbrush/perception/output_delay.hpp"
+#include "underbrush/perception/perceive_options.hpp"
 #include "underbrush/perception/tracking_model.hpp"
 
 namespace underbrush::osi {
 namespace {
-
-using perception::ExistenceRule;
-using perception::HeadingSource;
-using perception::ReferencePoint;
 
 struct TrackingStepOptions {
   bool is_model = true;
@@ -106,50 +103,26 @@ void TrackingStep::write(SensorData& data) {
   }
 }
 
-void read_existence(Parameters& p, perception::ExistenceOptions& e) {
-  const size_t rule = p.choice("existence", {"probability", "in-a-row", "out-of"});
-  e.rule =
-      std::array{ExistenceRule::kProbability, ExistenceRule::kInARow, ExistenceRule::kOutOf}[rule];
-  e.step.gain = p.number("gain", e.step.gain, 1e-6, 1);
-  e.step.loss = p.number("loss", e.step.loss, 1e-6, 1);
-  e.threshold = p.number("threshold", e.threshold, 1e-6, 1);
-  e.step.start_points = uint32_t(p.count("start_points", e.step.start_points, 1000000));
-  e.keep_points = uint32_t(p.count("keep_points", e.keep_points, 1000000));
-  e.full_extent_m = p.number("full_extent_m", e.full_extent_m, 0, 100);
-  e.needed = int(p.count("needed", uint64_t(e.needed), 32));
-  e.window = int(p.count("window", uint64_t(e.window), 32));
-  e.lost = int(p.count("lost", uint64_t(e.lost), 100000));
-}
-
-void read_model(Parameters& p, perception::TrackingOptions& m) {
-  read_existence(p, m.track.existence);
-  const size_t reference = p.choice("reference", {"corner", "centre", "gravity"});
-  m.track.reference = std::array{ReferencePoint::kCorner, ReferencePoint::kGeometricCentre,
-                                 ReferencePoint::kCentreOfGravity}[reference];
-  m.track.completion.enabled = !p.flag("as_measured", false);
-  m.heading = p.choice("heading", {"points", "truth"}) == 0 ? HeadingSource::kPoints
-                                                            : HeadingSource::kTruth;
-  m.resolution.enabled = p.flag("merge_close", false);
-  m.resolution.least_gap_m = p.number("merge_gap_m", m.resolution.least_gap_m, 0, 100);
-  m.latency_s = p.number("latency_ms", 0, 0, 1e5) / 1000;
-}
-
 }  // namespace
 
 std::unique_ptr<Strategy> make_tracking(Parameters& p) {
+  perception::PerceiveOptions options;
+  for (const auto& row : perception::perceive_options()) {
+    if (row.group == "Existence" || row.group == "State" || row.name == "pipeline" ||
+        row.name == "min-range") {
+      p.set(row, options);
+    }
+  }
   TrackingStepOptions o;
-  o.is_model = p.choice("pipeline", {"model", "real"}) == 0;
-  read_model(p, o.model);
-  o.real.track = o.model.track;
-  o.real.latency_s = o.model.latency_s;
-  o.real.clusters.ground =
-      p.choice("ground", {"cone", "lower_envelope"}) == 0 ? "cone" : "lower_envelope";
-  o.ghosts.rate_per_s = p.number("ghosts_per_s", 0, 0, 1000);
-  o.ghosts.mean_life_s = p.number("ghost_life_s", o.ghosts.mean_life_s, 1e-3, 1000);
   o.axle_height_m = p.number("axle_height_m", o.axle_height_m, -5, 5);
-  o.min_range_m = p.number("min_range_m", 0, 0, 1000);
   o.seed = p.count("seed", 1, uint64_t(1) << 53);
   try {
+    const perception::PerceptionSetup setup = perception::setup_of(options);
+    o.is_model = setup.is_model;
+    o.model = setup.model;
+    o.real = setup.real;
+    o.ghosts = setup.ghosts;
+    o.min_range_m = setup.cycles.min_range_m;
     return std::make_unique<TrackingStep>(o);
   } catch (const std::invalid_argument& e) {
     p.fail("", e.what());

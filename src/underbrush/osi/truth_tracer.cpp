@@ -226,7 +226,7 @@ Pose mounting_of(Parameters& p) {
 std::unique_ptr<Strategy> make_tracer(Parameters& p) {
   auto world = std::make_shared<TracerWorld>(TracerWorld{{}, {}, {}, MoverModels(""), {}});
   TracerOptions& o = world->options;
-  const std::string sensor = p.text("sensor", "ibeo-lux-2010");
+  const std::string sensor = p.text("sensor", kTracedSensor);
   const auto columns = int(p.count("columns", 0, 1024)), rows = int(p.count("rows", 0, 1024));
   o.world = p.text("world", "");
   o.mover_models = p.text("mover_models", "");

@@ -10,6 +10,10 @@
 
 namespace underbrush::perception {
 
+/// The words of the options that turn labelled boxes, "truth-elevation-deg" and the like.
+inline constexpr const char* kElevationHelp =
+    "Turn labelled boxes up by this angle, if import turned the beams by it";
+
 /// The options of `perceive`. Words are those of the command line; a text is empty where it is not
 /// given.
 struct PerceiveOptions {

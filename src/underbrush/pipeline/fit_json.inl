@@ -4,7 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "underbrush/pipeline/fit_model.hpp"
-#include "underbrush/pipeline/skipped_rows.hpp"
+#include "underbrush/pipeline/log_contents.hpp"
 
 namespace underbrush::pipeline {
 

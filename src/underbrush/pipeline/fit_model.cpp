@@ -174,8 +174,9 @@ FittedModel completed(fit::FitResult fitted, const FitLog& log, const fit::FitOp
   return out;
 }
 
-UpdatedModel update_model(TrainedModel known, const FitLog& log, const UpdateLogOptions& options,
-                          const Provenance& provenance, const fit::FitProgress& progress) {
+UpdatedModel update_model(TrainedModel known, const FitLog& log,
+                          const update::FitLogOptions& options, const Provenance& provenance,
+                          const fit::FitProgress& progress) {
   const auto start = Clock::now();
   check_training(known);
   restore_recorder(known);
@@ -198,7 +199,7 @@ UpdatedModel update_model(TrainedModel known, const FitLog& log, const UpdateLog
   before.model = std::move(known.model);
   before.record = std::move(training.record);
   update::UpdateResult grown = on_log(log, [&] {
-    return update::update(std::move(before), earlier, log.beams, training.options, options,
+    return update::update(std::move(before), earlier, log.beams, training.options, options.update,
                           progress);
   });
   UpdatedModel out;

@@ -11,7 +11,7 @@
 #include "underbrush/fit/training_file.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/sensor/sensor.hpp"
-#include "underbrush/update/update.hpp"
+#include "underbrush/update/fit_log_options.hpp"
 
 namespace underbrush::pipeline {
 
@@ -64,18 +64,13 @@ FittedModel fit_model(const FitLog& log, const fit::FitOptions& options,
 FittedModel completed(fit::FitResult fitted, const FitLog& log, const fit::FitOptions& options,
                       const Provenance& provenance);
 
-/// Options of `update_model`.
-struct UpdateLogOptions : update::UpdateOptions {
-  /// The folder where the earlier logs of the model are now; empty: where they were.
-  std::filesystem::path logs;
-};
-
 /// Adds a log to a model (`update::update`), whose parameters hold: `log` must have all echoes if
 /// the model is one of all echoes. The earlier logs are read from their files. Throws as
 /// `update::update` does, and `FormatError` for a model that cannot be updated, for an earlier log
 /// that is not there or is another file, and for a log that the model has been fitted to already.
-UpdatedModel update_model(TrainedModel known, const FitLog& log, const UpdateLogOptions& options,
-                          const Provenance& provenance, const fit::FitProgress& progress = {});
+UpdatedModel update_model(TrainedModel known, const FitLog& log,
+                          const update::FitLogOptions& options, const Provenance& provenance,
+                          const fit::FitProgress& progress = {});
 
 /// Reads the folder of a model, with its training where there is one. Throws `FormatError`.
 TrainedModel read_trained(const std::filesystem::path& folder);

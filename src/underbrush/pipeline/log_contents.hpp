@@ -3,6 +3,7 @@
 #pragma once
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -10,6 +11,9 @@
 #include "underbrush/core/beam_log.hpp"
 
 namespace underbrush::pipeline {
+
+/// The numbers of records of a log that were left out when it was read, by reason.
+using SkippedRows = std::map<std::string, size_t>;
 
 /// The contents of a log, gathered in one pass.
 struct LogContents {

@@ -12,10 +12,10 @@ std::span<const Option<MeshesOptions>> meshes_options() {
      "With generated: vary the demo's species by multiplying crown radius and base, trunk, leaf area "
      "and leaf size by factors from 1/F to F",
      [](O& o) -> auto& { return o.variation; }, 1, 2, {}, "F"},
-    {"unit", "", "m", "Length of the files' unit",
-     [](O& o) -> auto& { return o.unit_m; }, 1e-4, 1e4},
-    {"up", "", "", "Axis that points up in the files",
-     [](O& o) -> auto& { return o.up; }, -kNoLimit, kNoLimit, {"y", "z"}},
+    {"unit", "", "m", worlds::kUnitHelp,
+     [](O& o) -> auto& { return o.files.unit_m; }, 1e-4, 1e4},
+    {"up", "", "", worlds::kUpHelp,
+     [](O& o) -> auto& { return o.files.up; }, -kNoLimit, kNoLimit, {"y", "z"}},
     {"sizes", "", "", "Number of heights of each plant in each class",
      [](O& o) -> auto& { return o.meshes.sizes_per_class; }, 1, 100},
     {"most-scaling", "", "", "Scale a plant by at most this factor, up or down",
@@ -31,13 +31,12 @@ return kOptions;
 
 MeshSet mesh_set(const std::vector<std::string>& plants, const MeshesOptions& options) {
   check_options("meshes", meshes_options(), options);
-  const PlantFileOptions files{options.unit_m, options.up == "y"};
   std::vector<plant_meshes::PlantSource> sources;
   MeshSet out;
   for (const std::string& name : plants) {
     const bool generated = name == "generated";
     auto some = generated ? generated_plants(options.meshes.seed, options.variation)
-                          : plants_of_files(name, files);
+                          : plants_of_files(name, options.files);
     for (plant_meshes::PlantSource& plant : some) {
       if (!generated) out.inputs.emplace_back(plant.name);
       sources.push_back(std::move(plant));

@@ -15,8 +15,7 @@ namespace underbrush::pipeline {
 /// The options of `meshes`.
 struct MeshesOptions {
   double variation = 1;                       ///< How much the generated species vary.
-  double unit_m = 1;                          ///< m; length of the files' unit.
-  std::string up = "z";                       ///< The axis that points up in the files, "y" or "z".
+  worlds::MeshOptions files;                  ///< How the files are read.
   plant_meshes::MeshPrimitiveOptions meshes;  ///< With the seed, also of the generated plants.
 };
 

@@ -10,11 +10,11 @@ namespace underbrush::pipeline {
 namespace fs = std::filesystem;
 namespace {
 
-plant_meshes::PlantSource read_plant(const fs::path& file, const PlantFileOptions& o) {
+plant_meshes::PlantSource read_plant(const fs::path& file, const worlds::MeshOptions& o) {
   io::MeshData mesh = io::read_mesh(file);
   plant_meshes::PlantSource plant{file.string(), {}, std::move(mesh.triangles)};
   for (const Vec3f& v : mesh.vertices) {
-    const Vec3f up = o.y_up || io::is_gltf(file) ? Vec3f(v.x(), -v.z(), v.y()) : v;
+    const Vec3f up = o.up == "y" || io::is_gltf(file) ? Vec3f(v.x(), -v.z(), v.y()) : v;
     plant.vertices.push_back(float(o.unit_m) * up);
   }
   const auto [low, high] =
@@ -43,7 +43,7 @@ std::vector<plant_meshes::PlantSource> generated_plants(uint64_t seed, double va
 }
 
 std::vector<plant_meshes::PlantSource> plants_of_files(const fs::path& path,
-                                                       const PlantFileOptions& o) {
+                                                       const worlds::MeshOptions& o) {
   if (!fs::exists(path)) throw FormatError(path.string(), "", "no such file or folder");
   if (!fs::is_directory(path)) return {read_plant(path, o)};
   std::vector<fs::path> files;

@@ -6,14 +6,9 @@
 #include <vector>
 
 #include "underbrush/plant_meshes/mesh_primitives.hpp"
+#include "underbrush/worlds/mesh_world.hpp"
 
 namespace underbrush::pipeline {
-
-/// How files of plant meshes are read.
-struct PlantFileOptions {
-  double unit_m = 1;  ///< m; length of the files' unit.
-  bool y_up = false;  ///< The files' y axis points up, not z. In glTF it always does.
-};
 
 /// Returns the plants from which test sites of that seed are grown: trees, shrubs, tussocks. A
 /// `variation` above 1 changes the species (`test_site::make_prototypes`).
@@ -23,6 +18,6 @@ std::vector<plant_meshes::PlantSource> generated_plants(uint64_t seed, double va
 /// folder that is named like a class stands for that class at its own size. Throws `FormatError`,
 /// also for a folder without meshes.
 std::vector<plant_meshes::PlantSource> plants_of_files(const std::filesystem::path& path,
-                                                       const PlantFileOptions& options);
+                                                       const worlds::MeshOptions& options);
 
 }  // namespace underbrush::pipeline

@@ -11,11 +11,11 @@
 #include "underbrush/pipeline/annotate_site.hpp"
 #include "underbrush/pipeline/compose_scene.hpp"
 #include "underbrush/pipeline/import_log.hpp"
+#include "underbrush/pipeline/log_contents.hpp"
 #include "underbrush/pipeline/mark_movers.hpp"
 #include "underbrush/pipeline/mesh_set.hpp"
 #include "underbrush/pipeline/perceive_log.hpp"
 #include "underbrush/pipeline/segment_log.hpp"
-#include "underbrush/pipeline/skipped_rows.hpp"
 #include "underbrush/primitives/extract.hpp"
 #include "underbrush/regions/site_folder.hpp"
 

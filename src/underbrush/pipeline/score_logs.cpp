@@ -28,6 +28,25 @@ class Parts {
 
 }  // namespace
 
+std::span<const Option<ScoreOptions>> score_options() {
+  using O = ScoreOptions;
+  // clang-format off
+  static const Option<O> kOptions[] = {
+    {"memory", "More options", "", regions::kMemoryHelp,
+     [](O& o) -> auto& { return o.memory; }, -kNoLimit, kNoLimit, {}, "SIZE"},
+    {"protocol", "More options", "",
+     "Other scores: kitti360 adds scores of range images of 66 x 1030 pixels, by which learned "
+     "simulators are compared on KITTI-360; clouds compares logs that share no beams as point clouds",
+     [](O& o) -> auto& { return o.protocol; }, -kNoLimit, kNoLimit, {"kitti360", "clouds"}},
+    {"repeats", "More options", "",
+     "Compare scans that have one place and equal directions, too: how ranges change from scan to "
+     "scan, and the distance of their bearing x range histograms",
+     [](O& o) -> auto& { return o.repeats; }},
+  };
+// clang-format on
+return kOptions;
+}
+
 metrics::Score score_logs(BeamSource& real, BeamSource& simulated, const TracedWorld* world,
                           bool cloud, const std::function<void(size_t, size_t)>& progress,
                           const std::string& memory) {

@@ -2,13 +2,26 @@
 /// The verb `score`: a real log and a simulated one in, scores out.
 #pragma once
 #include <functional>
+#include <span>
+#include <string>
 
+#include "underbrush/core/option.hpp"
 #include "underbrush/metrics/clouds.hpp"
 #include "underbrush/metrics/score.hpp"
 #include "underbrush/pipeline/world.hpp"
 #include "underbrush/regions/open_regions.hpp"
 
 namespace underbrush::pipeline {
+
+/// The options of `score`.
+struct ScoreOptions {
+  std::string memory = regions::kMemory;  ///< For a world of regions (`regions::memory_of`).
+  std::string protocol;                   ///< "kitti360" or "clouds"; "" = neither.
+  bool repeats = false;                   ///< Whether scans from one place are compared.
+};
+
+/// The table of these options, of which `memory` is the first.
+std::span<const Option<ScoreOptions>> score_options();
 
 /// Compares a simulated log with the real log of the same beams (`metrics::score`). With a world,
 /// likelihood, CRPS and calibration under the ray model are computed; the intensities of a world of

@@ -17,12 +17,11 @@ std::span<const Option<SimulateOptions>> simulate_options() {
      "its instance",
      [](O& o) -> auto& { return o.element_ids; }},
 
-    {"beams", "Parts of a log", "",
+    {"beams", kPartsGroup, "",
      "Simulate only the beams FIRST to END - 1; the first beam has the number 0. Their results are "
      "those of a simulation of all beams",
      [](O& o) -> auto& { return o.beams; }, -kNoLimit, kNoLimit, {}, "FIRST:END"},
-    {"memory", "Parts of a log", "",
-     "Largest memory of the loaded regions of a world",
+    {"memory", kPartsGroup, "", regions::kMemoryHelp,
      [](O& o) -> auto& { return o.memory; }, -kNoLimit, kNoLimit, {}, "SIZE"},
 
     {"super-sample", "Instrument", "",
@@ -88,9 +87,9 @@ std::span<const Option<SimulateOptions>> simulate_options() {
      "Share of the sunlight that passes the air, which adds to the receiver's noise; 0 = night",
      [](O& o) -> auto& { return o.instrument.sun; }, 0, 1},
 
-    {"waveform-every", "Waveforms", "", "Write the waveforms of beams 0, K, 2K, …",
+    {"waveform-every", kWaveformsGroup, "", "Write the waveforms of beams 0, K, 2K, …",
      [](O& o) -> auto& { return o.waveform.every; }, 1, kNoLimit, {}, "K"},
-    {"waveform-count", "Waveforms", "", "Largest number of waveforms in tables and plots",
+    {"waveform-count", kWaveformsGroup, "", "Largest number of waveforms in tables and plots",
      [](O& o) -> auto& { return o.waveform.count; }, 1, 1e6, {}, "N"},
   };
 // clang-format on

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "underbrush/core/option.hpp"
+#include "underbrush/regions/open_regions.hpp"
 #include "underbrush/simulate/echoes.hpp"
 
 namespace underbrush::pipeline {
@@ -37,8 +38,8 @@ struct SimulateOptions {
   bool support = false;  ///< Whether to add the column `simulate::kSupportColumn`.
   /// "FIRST:END": only these beams, numbered from 0, are answered, as they are among all; "" = all.
   std::string beams;
-  std::string memory = "2GiB";  ///< For a world of regions (`regions::OpenRegions`).
-  bool keyframes = true;        ///< Whether keyframes may answer (`Simulation::recognise`).
+  std::string memory = regions::kMemory;  ///< For a world of regions (`regions::OpenRegions`).
+  bool keyframes = true;  ///< Whether keyframes may answer (`Simulation::recognise`).
   InstrumentOptions instrument;
   /// The beams whose waveforms `on_waveforms` receives, in the order of the beams; none if it is
   /// empty. With `all_waveforms` the count does not matter.
@@ -60,5 +61,7 @@ BeamRange beam_range(const std::string& text);
 /// All options of `simulate` that take a number or a word. Inputs, outputs, the seed and movers are
 /// not in the table.
 std::span<const Option<SimulateOptions>> simulate_options();
+/// Groups of the table without effect where beams are fired one by one and keep no waveform.
+inline constexpr std::string_view kPartsGroup = "Parts of a log", kWaveformsGroup = "Waveforms";
 
 }  // namespace underbrush::pipeline

@@ -41,6 +41,7 @@ World read_world(const std::filesystem::path& path, const worlds::ReadOptions& o
 }
 
 World open_world(const std::filesystem::path& path, const worlds::ReadOptions& options) {
+  check_options("simulate", worlds::read_options(), options);
   if (!regions::is_world(path)) return pipeline::read_world(path, options);
   auto folder = std::make_shared<const regions::WorldFolder>(path);
   regions::WorldPart common = folder->part({});

@@ -62,7 +62,7 @@ std::span<const Option<RasterOptions>> raster_options() {
      [](O& o) -> auto& { return o.canopy.cover_height_m; }, 0, 100},
     {"epsg", "", "", "EPSG number of the projected reference system of the maps; 0 = not known",
      [](O& o) -> auto& { return o.epsg; }, 0, 32767},
-    {"memory", "", "", "Largest memory of the loaded regions of a world",
+    {"memory", "", "", regions::kMemoryHelp,
      [](O& o) -> auto& { return o.memory; }, -kNoLimit, kNoLimit, {}, "SIZE"},
   };
 // clang-format on

@@ -53,6 +53,7 @@ class OpenRegions {
 
 /// The memory for a world of regions unless another is given.
 inline constexpr const char* kMemory = "2GiB";
+inline constexpr const char* kMemoryHelp = "Largest memory of the loaded regions of a world";
 
 /// Reads an amount of memory such as "2GiB", "500MiB" or "1e9" (bytes). Throws
 /// `std::invalid_argument`.

@@ -7,13 +7,16 @@
 
 #include "underbrush/actors/learn_actors.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/seed.hpp"
 #include "underbrush/fit/parameters.hpp"
 #include "underbrush/pipeline/annotate_site.hpp"
 #include "underbrush/pipeline/compose_scene.hpp"
 #include "underbrush/pipeline/extract_primitives.hpp"
+#include "underbrush/pipeline/score_logs.hpp"
 #include "underbrush/pipeline/segment_log.hpp"
 #include "underbrush/pipeline/simulate_options.hpp"
 #include "underbrush/serve/json_reply.inl"
+#include "underbrush/update/fit_log_options.hpp"
 
 namespace underbrush::serve {
 namespace {
@@ -60,10 +63,15 @@ std::vector<Setting> settings_of(std::span<const Row> table, std::string_view le
   return out;
 }
 
-const Setting kSeed{"seed", "", "", "Seed of all random numbers", "int", "1", 0, 9e15};
+const Setting kSeed{"seed", "", "", kSeedHelp, "int", text_of(fit::FitOptions().seed), 0, 9e15};
 
 std::vector<Setting> with_seed(std::vector<Setting> settings) {
   settings.insert(settings.begin(), kSeed);
+  return settings;
+}
+
+std::vector<Setting> joined(std::vector<Setting> settings, const std::vector<Setting>& more) {
+  settings.insert(settings.end(), more.begin(), more.end());
   return settings;
 }
 
@@ -80,7 +88,11 @@ const std::vector<Verb>& verbs() {
        {{"log", "", Takes::kLog, true}},
        settings_of(pipeline::segment_options()),
        ".ply"},
-      {"fit", {{"log", "", Takes::kLog, true}}, with_seed(settings_of(fit::parameters())), ""},
+      {"fit",
+       {{"log", "", Takes::kLog, true}},
+       with_seed(joined(settings_of(fit::parameters()),
+                        settings_of(update::fit_log_options(), update::kUpdateGroup))),
+       ""},
       {"extract",
        {{"model", "", Takes::kModel, true}, {"log", "", Takes::kLog, true}},
        settings_of(pipeline::extract_options()),
@@ -108,8 +120,9 @@ const std::vector<Verb>& verbs() {
       {"score",
        {{"real", "", Takes::kLog, true},
         {"simulated", "", Takes::kLog, true},
-        {"model", "--model", Takes::kModel, false}},
-       {},
+        {"model", "--model", Takes::kWorld, false},
+        {"train", "--train", Takes::kLog, false}},
+       settings_of(pipeline::score_options()),
        ".json"},
   };
   return kVerbs;

@@ -148,7 +148,7 @@ bool is_mesh(const fs::path& path) {
 
 World read_mesh_world(const fs::path& path, const MeshOptions& options) {
   const io::MeshScene mesh = io::read_mesh_scene(path);
-  const bool y_up = options.y_up || io::is_gltf(path);
+  const bool y_up = options.up == "y" || io::is_gltf(path);
   std::vector<Vec3> vertices = mesh.vertices;
   Vec3 low = Vec3::Constant(INFINITY), high = -low;
   for (Vec3& v : vertices) {

@@ -17,9 +17,14 @@ namespace worlds {
 /// How coordinates of a mesh file become those of the world.
 struct MeshOptions {
   double unit_m = 1;  ///< m; length of the file's unit.
-  bool y_up =
-      false;  ///< The file's y axis points up: x, y, z become x, −z, y. In glTF it always does.
+  /// "z", or "y": x, y, z of the file become x, −z, y, as they always do in glTF.
+  std::string up = "z";
 };
+
+/// The words of the options of these fields.
+inline constexpr const char *kUnitHelp = "Length of the unit of mesh files",
+                            *kUpHelp =
+                                "Axis that points up in mesh files; in glTF files it is always y";
 
 /// What a file became, for people to read.
 struct WorldReport {

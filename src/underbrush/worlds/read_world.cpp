@@ -38,6 +38,22 @@ bool is_world(const std::filesystem::path& path) {
   return is_mesh(path) || is_voxels(path) || is_helios(path);
 }
 
+std::span<const Option<ReadOptions>> read_options() {
+  using O = ReadOptions;
+  constexpr const char* kGroup = "Meshes and scenes of HELIOS++";
+  // clang-format off
+  static const Option<O> kOptions[] = {
+    {"up", kGroup, "", kUpHelp,
+     [](O& o) -> auto& { return o.mesh.up; }, -kNoLimit, kNoLimit, {"y", "z"}},
+    {"unit", kGroup, "m", kUnitHelp,
+     [](O& o) -> auto& { return o.mesh.unit_m; }, 1e-4, 1e4},
+    {"assets", kGroup, "", "Folder with the files of a scene of HELIOS++, besides the folder of the scene",
+     [](O& o) -> auto& { return o.assets; }, -kNoLimit, kNoLimit, {}, "FOLDER"},
+  };
+// clang-format on
+return kOptions;
+}
+
 World read_world(const std::filesystem::path& path, const ReadOptions& options) {
   if (is_voxels(path)) return read_voxel_world(path);
   if (is_helios(path)) return read_helios_scene(path, "", options.assets);

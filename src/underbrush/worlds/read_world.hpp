@@ -1,6 +1,10 @@
 /// \file
 /// Worlds in any third-party format that is known.
 #pragma once
+#include <span>
+#include <string>
+
+#include "underbrush/core/option.hpp"
 #include "underbrush/worlds/helios_scene.hpp"
 #include "underbrush/worlds/mesh_world.hpp"
 
@@ -9,8 +13,10 @@ namespace underbrush::worlds {
 /// How the files of a world are read.
 struct ReadOptions {
   MeshOptions mesh;
-  std::filesystem::path assets;  ///< Folder in which a scene of HELIOS++ has its files, too.
+  std::string assets;  ///< Folder in which a scene of HELIOS++ has its files, too.
 };
+/// The table of these options.
+std::span<const Option<ReadOptions>> read_options();
 
 /// Whether `read_world` reads this file: a mesh, a scene or survey of HELIOS++ (.xml), or voxels of
 /// AMAPVox (.vox).
