@@ -185,7 +185,7 @@ TEST_F(MeshWorld, StlIsTheSameInTextAndBytes) {
 
 TEST_F(MeshWorld, AxesAndUnitAreApplied) {
   const auto file = write("y.obj", "v 0 0 0\nv 100 0 0\nv 0 200 50\nf 1 2 3\n");
-  const World w = read_mesh_world(file, {0.01, true});
+  const World w = read_mesh_world(file, {0.01, "y"});
   EXPECT_EQ(w.scene.models.at(1).surface.vertices.at(2), Vec3f(0, -0.5f, 2));
   EXPECT_TRUE(w.report.y_up);
 }
