@@ -91,7 +91,7 @@ def test_fit_update_refuses(folder: pathlib.Path, tmp_path: pathlib.Path) -> Non
             underbrush.fit(folder / "test.ply", update=model, **options)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="keyframes hold beams"):
         underbrush.fit(folder / "test.ply", echoes="all", keyframes=2.0)
-    with pytest.raises(ValueError, match="echoes is first or all"):
+    with pytest.raises(ValueError, match="echoes is one of first, all"):
         underbrush.fit(folder / "test.ply", echoes="some")  # type: ignore[arg-type]
 
 

@@ -16,7 +16,9 @@ int main() {
   BeamLog beams;
   beams.resize(1000);
   const pipeline::TracedWorld world(model);
-  pipeline::Simulation(world, {}).answer(0, beams);
+  pipeline::SimulateOptions options;
+  options.matter = "anew";  // a trial of its own for each beam
+  pipeline::Simulation(world, options).answer(0, beams);
   size_t hits = 0;
   for (size_t i = 0; i < beams.size(); ++i) hits += beams.is_hit(i);
   std::printf("%zu of %zu beams hit\n", hits, beams.size());
