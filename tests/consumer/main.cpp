@@ -15,9 +15,9 @@ int main() {
 
   BeamLog beams;
   beams.resize(1000);
-  const pipeline::TracedWorld world(model);
   pipeline::SimulateOptions options;
   options.matter = "anew";  // a trial of its own for each beam
+  const pipeline::TracedWorld world(model, pipeline::matter_of(options));
   pipeline::Simulation(world, options).answer(0, beams);
   size_t hits = 0;
   for (size_t i = 0; i < beams.size(); ++i) hits += beams.is_hit(i);
