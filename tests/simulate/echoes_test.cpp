@@ -126,33 +126,6 @@ TEST(Echoes, AThinRayAndItsInstrumentReturnAlikeFromEdges) {
   }
 }
 
-TEST(Echoes, RangesOfAFittedBeamScatterAsItsElementsDo) {
-  // A wide ellipsoid, 0.1 m thick, which each beam and each sub-ray draws anew.
-  elements::Model model;
-  model.tau = 3;
-  elements::Ellipsoid e;
-  e.mean = Vec3f(20, 0, 0);
-  e.set_covariance(Vec3(0.01, 100, 100).asDiagonal());
-  e.hit.p = 1;
-  model.ellipsoids.push_back(e);
-  const auto scatter_m = [&](double fitted_rad) {
-    Instrument instrument = quiet_instrument();
-    instrument.receiver.mode = radiometry::ReturnMode::kStrongest;
-    if (fitted_rad > 0) instrument.fitted_beam = sensor::round_beam(fitted_rad, 0);
-    const BeamLog log = answered(model, instrument, beams_along_x(2000));
-    double sum = 0, squares = 0;
-    for (const float r : log.range_m) {
-      sum += double(r) - 20;
-      squares += (double(r) - 20) * (double(r) - 20);
-    }
-    const double mean = sum / 2000;
-    return std::sqrt(squares / 2000 - mean * mean);
-  };
-  EXPECT_NEAR(scatter_m(0.02), 0.1, 0.01);
-  EXPECT_LT(scatter_m(0.004), 0.05);  // a mean over several beams of the log
-  EXPECT_LT(scatter_m(0), 0.03);      // a mean over sub-rays
-}
-
 TEST(Echoes, WhatAKeyframeAnswersIsTheOnlyEcho) {
   elements::Model model;
   add_wall(model, 20);
@@ -178,7 +151,6 @@ TEST(Echoes, WhatAKeyframeAnswersIsTheOnlyEcho) {
 
 TEST(Echoes, LeavesOfAllDirectionsSendBackTwoThirds) {
   elements::Model model;
-  model.tau = 3;
   elements::Ellipsoid e;
   e.mean = Vec3f(20, 0, 0);
   e.set_covariance(Vec3(1e-6, 4, 4).asDiagonal());
@@ -191,7 +163,6 @@ TEST(Echoes, LeavesOfAllDirectionsSendBackTwoThirds) {
 
 TEST(Echoes, APermeableVolumeStopsItsShareOfTheLight) {
   elements::Model model;
-  model.tau = 3;
   elements::Ellipsoid e;
   e.mean = Vec3f(20, 0, 0);
   e.set_covariance(Vec3(1e-4, 9, 9).asDiagonal());

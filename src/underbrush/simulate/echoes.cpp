@@ -18,22 +18,10 @@ using trace::Intersection;
 constexpr size_t kRaysACall = 8192;  // as many as the tracer orders at a time
 /// Returns no farther apart than so many pulses are one echo.
 constexpr double kSamePulse = 1;
-/// Sub-rays of a fitted beam lie within so many of its standard deviations of each other.
-constexpr double kWidths = 3;
 
 /// The length of a pulse along the beam, m.
 double pulse_m(const Instrument& instrument) {
   return instrument.receiver.response.pulse_fwhm_s * radiometry::kSpeedOfLight / 2;
-}
-
-/// Orders the sub-rays of an instrument with a fitted beam from the axis outwards.
-Instrument from_axis(Instrument instrument) {
-  if (!instrument.fitted_beam) return instrument;
-  std::stable_sort(instrument.sub_rays.begin(), instrument.sub_rays.end(),
-                   [](const sensor::SubRay& a, const sensor::SubRay& b) {
-                     return std::hypot(a.u, a.v) < std::hypot(b.u, b.v);
-                   });
-  return instrument;
 }
 
 /// The least shares of the energy of an instrument's beam that must return, by range (whole m).
@@ -157,7 +145,6 @@ struct EchoMaker::Scratch {
   Reflection::Evaluator evaluator;
   MatterAt matter;
   std::optional<LearntLight> light;
-  std::vector<uint8_t> is_shared;  // by return
   double pulse_m;
   uint64_t seed;
 };
@@ -196,9 +183,9 @@ EchoMaker::EchoMaker(const DynamicWorld& world, const Reflection& reflection,
                      const Instrument& instrument, const EchoOptions& options)
     : world_(world),
       reflection_(reflection),
-      instrument_(from_axis(instrument)),
+      instrument_(instrument),
       options_(options),
-      tracer_(world, instrument.beam, instrument_.sub_rays, options.seed,
+      tracer_(world, instrument.beam, instrument.sub_rays, options.seed,
               options.all_sub_rays ? 0 : kSamePulse * pulse_m(instrument), options.sway_s),
       receiver_(instrument.receiver),
       scratches_(std::make_unique<Scratches>()),
@@ -222,28 +209,6 @@ bool EchoMaker::returns_enough(const SubReturns& returns, uint64_t key) const {
   return uniform_from_bits(random_bits(key, 3, Purpose::kDirection)) < 0.5;
 }
 
-/// Gives sub-rays that are no farther apart than a fitted beam and a pulse the range of the one
-/// that is nearest to the axis: the scatter of ranges was learnt from beams, so it is that of a
-/// beam, and a mean over sub-rays that scatter one by one would be too smooth.
-void EchoMaker::share_depth(const TracedBeams::Beam& beam, Scratch& s) const {
-  const std::span<float> range = s.returns.range_m();
-  const auto ray = [&](size_t k) -> const Ray& { return beam.rays[s.returns.sub_ray()[k]]; };
-  s.is_shared.assign(range.size(), false);
-  for (size_t first = 0; first < range.size(); ++first) {
-    if (s.is_shared[first]) continue;
-    const float range_m = range[first];
-    const auto sigma = instrument_.fitted_beam->sigma_m(double(range_m));
-    const double width_m = kWidths * std::max(sigma[0], sigma[1]);
-    const Vec3 place = ray(first).at(double(range_m));
-    for (size_t k = first; k < range.size(); ++k) {
-      if (s.is_shared[k] || std::abs(double(range[k] - range_m)) > s.pulse_m) continue;
-      if ((ray(k).at(double(range_m)) - place).norm() > width_m) continue;
-      range[k] = range_m;
-      s.is_shared[k] = true;
-    }
-  }
-}
-
 radiometry::Echoes EchoMaker::echoes_of(const Request& r, size_t i, const TracedBeams::Beam& beam,
                                         Scratch& s, radiometry::Receiver::Way way) const {
   const bool mean = options_.learnt_light != IntensityDraw::kDrawn;
@@ -252,7 +217,6 @@ radiometry::Echoes EchoMaker::echoes_of(const Request& r, size_t i, const Traced
   const BeamLog& beams = r.beams;
   SubReturns& returns = s.returns;
   returns.collect(beam.range_m, beam.weight, beam.traced);
-  if (instrument_.fitted_beam) share_depth(beam, s);
   s.evaluator.begin(beams.direction[i].cast<double>(), beams.time_s[i]);
   s.evaluator.factors(beam.met, beam.rays, returns.sub_ray(), returns.factor());
   radiometry::Echoes echoes =

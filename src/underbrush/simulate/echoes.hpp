@@ -117,15 +117,13 @@ class EchoMaker {
   radiometry::Echoes echoes_of(const Request& request, size_t i, const TracedBeams::Beam& beam,
                                Scratch& s, radiometry::Receiver::Way way) const;
   bool returns_enough(const SubReturns& returns, uint64_t key) const;
-  void share_depth(const TracedBeams::Beam& beam, Scratch& s) const;
   Element element_at(float range_m, const SubReturns& returns,
                      std::span<const trace::Intersection> met) const;
   void write(const std::vector<Block>& blocks, BeamLog& beams) const;
 
   const DynamicWorld& world_;
   const Reflection& reflection_;
-  Instrument
-      instrument_;  ///< Its sub-rays are in order from the axis outwards, if it has a fitted beam.
+  const Instrument& instrument_;
   EchoOptions options_;
   SubRayTracer tracer_;
   radiometry::Receiver receiver_;

@@ -32,7 +32,6 @@ class SubReturns {
   /// The number of the traced sub-ray.
   std::span<const uint32_t> sub_ray() const { return {sub_ray_.data(), size_}; }
   std::span<const float> range_m() const { return {range_m_.data(), size_}; }
-  std::span<float> range_m() { return {range_m_.data(), size_}; }
   std::span<const float> weight() const { return {weight_.data(), size_}; }
   /// Columns for the caller to fill: the reflection factors, and the receiver's signals.
   std::span<float> factor() { return {factor_.data(), size_}; }
