@@ -84,7 +84,7 @@ def test_fit_update_refuses(folder: pathlib.Path, tmp_path: pathlib.Path) -> Non
     in_memory = underbrush.fit(underbrush.read_log(folder / "train.ply"), fitter="ground_mesh")
     with pytest.raises(underbrush.FormatError, match="is in no file"):
         underbrush.fit(folder / "test.ply", update=in_memory)
-    with pytest.raises(ValueError, match="growth and logs require update"):
+    with pytest.raises(ValueError, match="require --update"):
         underbrush.fit(folder / "test.ply", growth=0)
     for options in ({"tau": 2.0}, {"seed": 2}, {"echoes": "all"}, {"sensor": "velodyne-vlp16"}):
         with pytest.raises(ValueError, match="update excludes"):

@@ -26,7 +26,7 @@ return kOptions;
 void FitLogOptions::check(bool is_update) const {
   check_options("fit", fit_log_options(), *this);
   require(is_update || (logs.empty() && update.growth == UpdateOptions().growth),
-          "fit: growth and logs require update");
+          "fit: --growth and --logs require --update");
 }
 
 }  // namespace underbrush::update
