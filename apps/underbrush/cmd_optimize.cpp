@@ -168,6 +168,8 @@ void run(const Verb& verb, Arguments& a) {
   a.fit.seed = a.options.seed = verb.seed;
   const optimize::SliceOptions cut = a.options.cut();
   if (a.checkpoint.empty()) a.checkpoint = a.output + ".checkpoint";
+  // A damaged checkpoint is bad input of --resume, before it is an output to protect.
+  if (a.resume && fs::exists(a.checkpoint)) optimize::read_checkpoint(a.checkpoint);
   verb.check_all_outputs();  // Now the checkpoint has a name.
   io::check_output(a.output);
   io::check_output(a.checkpoint);

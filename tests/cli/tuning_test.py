@@ -104,7 +104,7 @@ class Tuning(cli_test.OnALog):
         whole = checkpoint.read_bytes()
         for text in (b"", whole[:len(whole) // 2], b"[1]", bytes(range(256))):
             checkpoint.write_bytes(text)
-            self.assert_fails(self.call(*other), 4, "p.yaml.checkpoint")
+            self.assert_fails(self.call(*other), 3, "p.yaml.checkpoint")
 
     def test_densities_of_a_scene(self):
         cli_test.write_log(self.folder)

@@ -115,16 +115,16 @@ TEST_F(Sites, TreesKeepApartAcrossTheBordersOfParts) {
 }
 
 TEST_F(Sites, AWorldOfPartsIsTheSceneOfAllOfThem) {
-  primitives::ComposeOptions options;
-  options.nearest = 3;
+  primitives::ComposeOptions to_compose;
+  to_compose.nearest = 3;
   const auto composed =
-      compose_world(folder / "world", read_site(folder / "site"), set, options, false, "{}");
+      compose_world(folder / "world", read_site(folder / "site"), set, to_compose, false, "{}");
   const WorldPart world = WorldFolder(folder / "world").whole();
   primitives::Annotation all;
   all.objects = objects();
   elements::Model ground;
   ground.ground = test_site::Terrain(terrain, options.seed).mesh(2, 0);
-  const primitives::Composition expected = primitives::compose(all, ground, set, options);
+  const primitives::Composition expected = primitives::compose(all, ground, set, to_compose);
   EXPECT_EQ(composed.placed, expected.placed);
   EXPECT_EQ(composed.objects, all.objects.size());
   EXPECT_NEAR(composed.mean_box_distance_m, expected.mean_box_distance_m, 1e-12);
@@ -137,9 +137,9 @@ TEST_F(Sites, AWorldOfPartsIsTheSceneOfAllOfThem) {
     ASSERT_EQ(a.world_from_model.translation, b.world_from_model.translation);
     ASSERT_EQ(a.world_from_model.rotation.coeffs(), b.world_from_model.rotation.coeffs());
   }
-  options.density[Class::kMediumTree] = 2;
+  to_compose.density[Class::kMediumTree] = 2;
   EXPECT_THROW(
-      compose_world(folder / "other", read_site(folder / "site"), set, options, false, "{}"),
+      compose_world(folder / "other", read_site(folder / "site"), set, to_compose, false, "{}"),
       std::invalid_argument);
   EXPECT_FALSE(std::filesystem::exists(folder / "other"));
 }
