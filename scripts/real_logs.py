@@ -115,7 +115,7 @@ def score(program: Program, work: pathlib.Path, name: str, models: list[str]) ->
         elif model not in fitted:
             run(program, "fit", train, *fit_options(program, work, name, model), *fit, "-o", work / model)
             fitted.add(model)
-        draw = ["--draw", "median"] if label == "median" else ["--matter", "anew"]
+        draw = ["--draw", "median"] if label == "median" else []
         run(program, "simulate", work / model, "--like", test, *draw, "-o", work / f"{label}.ply")
         words += [work / f"{label}.ply", "--model", work / model, "--name", label]
     run(program, *words, "--json", work / "score.json", "--report", work / "report")

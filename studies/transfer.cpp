@@ -22,7 +22,6 @@ namespace underbrush::studies {
 namespace {
 
 constexpr double kTolerance = 0.1;
-constexpr int kRounds = 10;  // A mixture behind a footprint converges slowly.
 
 /// Returns the lidars: three of the catalogue, and one of them with four times the divergence. The
 /// quick study has two.
@@ -233,7 +232,6 @@ StudyResult transfer(const StudyRun& run, const ModelChange& change) {
     fit::FitOptions options;
     options.seed = run.seed;
     pipeline::set_recorder(s, options);
-    options.volumetric.mixture.rounds = kRounds;
     MemorySource train(logs[name].train);
     models[name] = pipeline::fit_model({train}, options).model;
     if (change) change(name, models[name]);

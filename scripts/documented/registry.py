@@ -146,7 +146,8 @@ def vegetation(folder):
     targets = {"planes": "planes", "high tree": "tree_high", "medium tree": "tree_medium", "low tree": "tree_low",
                "tall grass": "tall_grass", "short grass": "short_grass"}
     rows = {"surface, cone / axis": ("surface, cone", "surface, axis")}
-    rows |= {row: (row,) for row in ("default with options", "default with options, anew", "voxel", "top_down", "bottom_up", "hierarchical", "likelihood")}
+    rows |= {row: (row,) for row in ("default", "default with options", "default with options, anew", "voxel", "top_down",
+                                     "bottom_up", "hierarchical", "likelihood")}
     figures = read_json(folder / "study.json")["figures"]["static"]
     for column, target in targets.items():
         yield "look-up", column, [figures[target]["lookup"]]

@@ -129,7 +129,7 @@ underbrush fit a.ply --min-range 2 -o first
 underbrush fit b.ply --update first -o updated
 {whole}
 for m in {" ".join(models)}; do
-  underbrush simulate $m --like "$test" --matter anew -o $m.ply
+  underbrush simulate $m --like "$test" -o $m.ply
   underbrush score "$test" $m.ply --model $m --name $m --json $m.json
 done
 rm -r *.ply {" ".join(models)}""", (logs[log],), (halves[log],))
