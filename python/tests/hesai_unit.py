@@ -34,7 +34,7 @@ class Unit:
     sensor: str
     lasers: int
     blocks: int
-    kind: str  #: pandar40, pandar64 or xt.
+    kind: str  #: pandar40, pandar64, xt or qt.
     elevation: list[float]
     clockwise: list[float]
     laser_us: list[float]
@@ -42,6 +42,14 @@ class Unit:
     period_us: float
     step_mm: int = 4
     needs_file: bool = False
+    stamps_first: bool = False  #: The stamp counts from the packet's first block, and `block_us` is the time of that.
+
+
+def qt64_us() -> list[float]:
+    """The times of channels 1 to 64: groups of eight, whose steps the manual rounds to 0.01 µs."""
+    groups = (2.31, 19.16, 36.61, 53.45, 70.9, 87.75, 105.2, 122.05)
+    steps = (0, 2.06, 4.12, 6.18, 8.23, 10.29, 12.35, 14.4)
+    return [group + step for group in groups for step in steps]
 
 
 def pandar40_us() -> list[float]:
@@ -81,6 +89,8 @@ UNITS = {
                  5.632, 50),
     "xt32m": Unit("", 32, 6, "xt", [19.5 - 1.3 * k for k in range(32)], [0.01 * k for k in range(32)],
                   [0.368 + 2.888 * (k % 16) for k in range(32)], 5.632, 50, 5, needs_file=True),
+    "qt64": Unit("", 64, 4, "qt", [52.1 - 1.65 * k for k in range(64)], [8.7 - 0.27 * k for k in range(64)], qt64_us(),
+                 25.71, 500 / 3, needs_file=True, stamps_first=True),
 }
 MODES = {"strongest": (0x37, 1), "first": (0x33, 1), "dual": (0x39, 2), "first and last": (0x3B, 2)}
 
@@ -133,16 +143,21 @@ def packet(unit: Unit, truth: Truth, begin: int, mode: int, returns: int, flags:
             body += b"\xff\xee" if unit.kind == "pandar40" else b""
             body += struct.pack("<H", round(truth.azimuth_deg[k] * 100) % 36000)
             for count in counts:
-                body += struct.pack("<HB", count, count % 200) + (b"\x07" if unit.kind == "xt" else b"")
-    stamp_s = truth.block_s[begin + firings - 1] - unit.block_us * 1e-6
+                body += struct.pack("<HB", count, count % 200) + (b"\x07" if unit.kind in ("xt", "qt") else b"")
+    stamp_s = truth.block_s[begin if unit.stamps_first else begin + firings - 1] - unit.block_us * 1e-6
     micro = struct.pack("<I", round(stamp_s % 1 * 1e6))
+    sequence = b"\1\0\0\0" if flags & 1 else b""
+    if unit.kind == "qt":
+        head = b"\xee\xff\3\1\0\0" + bytes([unit.lasers, unit.blocks, returns - 1, unit.step_mm, returns, flags])
+        tail = b"\0" * 10 + struct.pack("<H", 600) + micro + bytes([mode, 0x42])
+        return head + body + tail + date_of(stamp_s, form or "1900") + sequence
     if unit.kind != "xt":
         head = b"" if unit.kind == "pandar40" else bytes([0xEE, 0xFF, unit.lasers, unit.blocks, returns - 1, unit.step_mm, 0, 0])
         tail = b"\0" * 5 + b"\0" + b"\0\0" + struct.pack("<H", 600) + micro + bytes([mode, 0x42])
-        return head + body + tail + date_of(stamp_s, form or "2000") + (b"\1\0\0\0" if flags & 1 else b"")
+        return head + body + tail + date_of(stamp_s, form or "2000") + sequence
     head = b"\xee\xff\6\1\0\0" + bytes([unit.lasers, unit.blocks, returns - 1, unit.step_mm, returns, flags])
     tail = b"\0" * 9 + b"\0" + bytes([mode]) + struct.pack("<H", 600) + date_of(stamp_s, form or "1900") + micro + b"\x42"
-    return head + body + tail + (b"\1\0\0\0" if flags & 1 else b"") + (b"s" * 32 if flags & 8 else b"")
+    return head + body + tail + sequence + (b"s" * 32 if flags & 8 else b"")
 
 
 def packets_of(unit: Unit, truth: Truth, mode: int = 0x37, returns: int = 1, **options: str | int) -> list[tuple[float, bytes]]:

@@ -12,6 +12,7 @@ import pathlib
 import random
 import re
 import resource
+import shutil
 import tempfile
 import time
 from collections.abc import Callable
@@ -22,6 +23,7 @@ import numpy.typing as npt
 
 import hesai_mirror_unit
 import hesai_unit
+import test_hesai_states as hesai_states
 import livox_unit
 import packet_files as pf
 from packet_files import T0
@@ -29,7 +31,8 @@ from underbrush.errors import FormatError
 from underbrush.formats.packets import PacketRecording
 from underbrush.formats.scans import Scan
 
-Sample = tuple[bytes, bytes | None, str]  #: Capture, metadata and the metadata's suffix.
+#: Capture, metadata and the metadata's suffix; "/" is a folder, whose files are separated by a NUL byte.
+Sample = tuple[bytes, bytes | None, str]
 
 
 def velodyne() -> list[Sample]:
@@ -84,6 +87,12 @@ def hesai() -> list[Sample]:
             angles = "".join(f"{k + 1},{value},0.1\n" for k, value in enumerate(unit.elevation)).encode()
             samples.append((pf.pcap([(time_s, pf.udp(data)[0]) for time_s, data in packets]),
                             angles if unit.needs_file else None, ".csv"))
+    for kind in hesai_states.KINDS.values():
+        packets = hesai_states.packets_of(kind, hesai_states.observe(kind, 16), 0x15)
+        with tempfile.TemporaryDirectory() as folder:
+            files = sorted(hesai_states.folder(pathlib.Path(folder), kind).iterdir())
+            samples.append((pf.pcap([(time_s, pf.udp(data)[0]) for time_s, data in packets]),
+                            b"\0".join(file.read_bytes() for file in files), "/"))
     mirror_deg, time_s = (column[:24] for column in hesai_mirror_unit.sweeps(1))
     counts = np.full((24, 1, 128), 500)
     packets = hesai_mirror_unit.packets(mirror_deg, time_s, counts, 1)
@@ -185,7 +194,12 @@ def run(family: str, mutants: int, seed: int, folder: pathlib.Path) -> collectio
             capture = damaged(capture, chance)
         path, beside = folder / "m.pcap", folder / f"m{suffix}"
         path.write_bytes(capture)
-        if metadata is not None:
+        if suffix == "/":
+            shutil.rmtree(beside, ignore_errors=True)
+            beside.mkdir()
+            for place, content in enumerate((metadata or b"").split(b"\0")):
+                (beside / f"{place}.csv").write_bytes(content)
+        elif metadata is not None:
             beside.write_bytes(metadata)
         largest = max(largest, len(capture))
         start = time.process_time()
@@ -199,7 +213,7 @@ def run(family: str, mutants: int, seed: int, folder: pathlib.Path) -> collectio
             assert all(count > 0 for count in recording.skipped.values())
             ends["scans, with counts of what was left out" if recording.skipped else "scans"] += 1
         except FormatError as error:
-            assert "\n" not in str(error) and "m." in str(error), error
+            assert "\n" not in str(error) and re.search(r"\bm\.|/m\b", str(error)), error
             ends["refused"] += 1
         except BaseException:
             (folder / f"bad_{number}.pcap").write_bytes(capture)
@@ -224,9 +238,7 @@ def main() -> None:
         peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss >> 10
         counts = ", ".join(f"{count} {end}" for end, count in sorted(ends.items()))
         print(f"{family}: {options.mutants} mutants; {counts}; peak of memory {peak} MiB", flush=True)
-        for file in folder.iterdir():
-            file.unlink()
-        folder.rmdir()
+        shutil.rmtree(folder)
 
 
 if __name__ == "__main__":

@@ -282,6 +282,21 @@ def test_broken_messages_are_counted(tmp_path: pathlib.Path, storage: str) -> No
     assert recording.skipped == {"messages that cannot be read": 2}
 
 
+@pytest.mark.parametrize("empty", ['""', "''", ""])
+@pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
+def test_folders_that_do_not_name_their_formats_are_read(tmp_path: pathlib.Path, storage: str, empty: str) -> None:
+    with bag(tmp_path / "log", storage) as out:
+        out.cloud("/points", 1, some_points())
+    metadata = tmp_path / "log" / "metadata.yaml"
+    named = metadata.read_text()
+    told = named.replace(f"storage_identifier: {storage}", f"storage_identifier: {empty}")
+    told = told.replace("serialization_format: cdr", f"serialization_format: {empty}")
+    assert named.count("\n") == told.count("\n") and len(named) - len(told) >= 3 + len(storage) - 2 * 2
+    metadata.write_text(told)
+    assert len(list(open_recording(tmp_path / "log").scans())) == 1
+    assert metadata.read_text() == told
+
+
 def test_a_broken_chunk_is_left_out(tmp_path: pathlib.Path) -> None:
     with bag(tmp_path / "log", "ros1") as out:
         for k in range(40):

@@ -111,7 +111,8 @@ def test_progress(log: underbrush.BeamLog) -> None:
 
 
 PROGRAM = """
-import sys, underbrush
+import signal, sys, underbrush
+signal.signal(signal.SIGINT, signal.default_int_handler)  # Jobs of a shell's background ignore it.
 print("ready", flush=True)
 try:
     while True:
@@ -123,12 +124,15 @@ except KeyboardInterrupt:
 
 def test_ctrl_c(log_file: pathlib.Path) -> None:
     process = subprocess.Popen([sys.executable, "-c", PROGRAM, str(log_file)], stdout=subprocess.PIPE, text=True)
-    assert process.stdout is not None and process.stdout.readline() == "ready\n"
-    time.sleep(1)
-    process.send_signal(signal.SIGINT)
-    start = time.monotonic()
-    assert process.communicate(timeout=60)[0] == "interrupted\n"
-    assert time.monotonic() - start < 20 and process.returncode == 0
+    try:
+        assert process.stdout is not None and process.stdout.readline() == "ready\n"
+        time.sleep(1)
+        process.send_signal(signal.SIGINT)
+        start = time.monotonic()
+        assert process.communicate(timeout=60)[0] == "interrupted\n"
+        assert time.monotonic() - start < 20 and process.returncode == 0
+    finally:
+        process.kill()
 
 
 def test_threads() -> None:

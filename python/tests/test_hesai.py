@@ -136,7 +136,7 @@ def test_bad_angles_have_one_line(tmp_path: pathlib.Path, text: str) -> None:
     assert "\n" not in str(error.value)
 
 
-@pytest.mark.parametrize(("name", "flags"), [("xt32", 0), ("xt32", 1), ("xt32", 9), ("xt16", 8), ("pandar64", 0),
+@pytest.mark.parametrize(("name", "flags"), [("xt32", 0), ("xt32", 1), ("xt32", 9), ("xt16", 8), ("pandar64", 0), ("qt64", 0),
                                              ("pandar40p", 0)])
 def test_optional_parts_change_the_length(tmp_path: pathlib.Path, name: str, flags: int) -> None:
     unit = UNITS[name]
@@ -250,8 +250,8 @@ def test_other_sensors_are_refused_by_name(tmp_path: pathlib.Path) -> None:
     assert PacketRecording(path, sensor="hesai-xt32").sensor == "hesai-xt32"
     with pytest.raises(FormatError, match="'hesai-pandar64' does not send these packets.* of a Hesai PandarXT-32"):
         PacketRecording(path, sensor="hesai-pandar64")
-    save(path, [(time_s, data[:2] + struct.pack("BB", 3, 1) + data[4:]) for time_s, data in packets])
-    with pytest.raises(FormatError, match=r"Hesai's protocol 3.1 with 32 channels and 8 blocks are not decoded"):
+    save(path, [(time_s, data[:2] + struct.pack("BB", 1, 8) + data[4:]) for time_s, data in packets])
+    with pytest.raises(FormatError, match=r"Hesai's protocol 1.8 with 32 channels and 8 blocks are not decoded"):
         PacketRecording(path)
 
 

@@ -1,8 +1,9 @@
-"""Decoder of Hesai's point cloud packets: Pandar40P, Pandar64, PandarXT-16, PandarXT-32, XT32M2X, AT128.
+"""Decoder of Hesai's point cloud packets, of the models in `MODELS`.
 
 Angles, times and the start of a revolution are those of the sensor catalogue where it has the model; what only packets
 know stands in `MODELS`. A block's azimuth is that of the rotor at the time that firing times count from, and a laser's
-is the rotor's at its own time. Those of an AT128, whose mirror spins, follow from its correction file. Sources: those of
+is the rotor's at its own time. Those of an AT128, whose mirror spins, follow from its correction file. Sensors of 128
+channels that spin fire some of them at a time: which, and when, is in a file of firing times. Sources: those of
 `hesai_packets`.
 """
 from __future__ import annotations
@@ -18,9 +19,10 @@ import numpy.typing as npt
 
 from underbrush.formats import catalogue
 from underbrush.formats.clock import Clock
-from underbrush.formats.hesai_calibration import read_angles
+from underbrush.formats.hesai_calibration import FiringTimes, files_of, read_angles, read_times
 from underbrush.formats.hesai_mirror import MirrorAngles, Sweeps
-from underbrush.formats.hesai_packets import AT128, MODES, PANDAR40, PANDAR64, XT, Layout, layout_of, seconds_of
+from underbrush.formats.hesai_packets import (AT128, MODES, PANDAR40, PANDAR64, PANDAR128, QT64, QT128, SELF_DEFINED, XT,
+                                              Layout, layout_of, seconds_of)
 from underbrush.formats.rotation import Rotation, firing_period
 from underbrush.formats.scans import Scan
 from underbrush.formats.spinning import Firings, Revolutions
@@ -44,12 +46,14 @@ class Model:
     protocol: tuple[int, int]
     lasers: int
     blocks: tuple[int, ...]  #: Numbers of blocks in a packet.
-    stamp_us: float  #: Time of the packet's last firing, which begins with its first laser, after the packet's stamp.
+    stamp_us: float  #: Time of the packet's last firing, or its first one (`stamps_first`), after the packet's stamp.
     azimuth_us: float  #: Time of a firing after the time at which the rotor has the block's azimuth.
     sensor: str = ""  #: Name in the catalogue; empty where it has none.
     like: tuple[str, int] = ("", 1)  #: Sensor of the catalogue of whose channels every nth is one of this model.
     period_us: float = 50.0  #: Time of a firing.
     laser_us: tuple[float, ...] = ()  #: Times of the channels after the first laser, where the catalogue has none.
+    stamps_first: bool = False
+    times: str = ""  #: Kind of the file that has the times of the channels (`FiringTimes.kind`), where one is needed.
 
 
 MODELS = (
@@ -60,6 +64,11 @@ MODELS = (
     Model("Hesai PandarXT-32", XT, 32, (8,), 6.0, 0.368, "hesai-xt32", ("hesai-xt32", 1)),
     Model("Hesai PandarXT-16", XT, 16, (8,), 6.0, 0.368, like=("hesai-xt32", 2)),
     Model("Hesai XT32M2X", XT, 32, (6,), 6.0, 0.368, laser_us=tuple(2.888 * (k % 16) for k in range(32))),
+    Model("Hesai QT64", QT64, 64, (4,), 25.71, 0.0, period_us=500 / 3, stamps_first=True,
+          laser_us=tuple(2.31 + 34.297 * (k // 16) + 16.85 * (k // 8 % 2) + 2.057 * (k % 8) for k in range(64))),
+    Model("Hesai QT128", QT128, 128, (2,), 9.0, 0.0, period_us=111.11, stamps_first=True, times="loops"),
+    Model("Hesai Pandar128", PANDAR128, 128, (2,), 3.148, 0.0, period_us=27.778, times="states"),
+    Model("Hesai OT128", PANDAR128, 128, (2,), 0.0, 0.0, period_us=27.778, times="states, OT128"),
     Model("Hesai AT128", AT128, 128, (2,), -9.249 - 41.666, 0.0, "hesai-at128", ("hesai-at128", 1), 41.666),
 )
 
@@ -69,10 +78,14 @@ def recognise(data: bytes) -> bool:
     return layout_of(data) is not None
 
 
-def model_of(layout: Layout, sensor: str | None = None) -> Model:
-    """The model that sends such packets. Raises ValueError where it is not known, or not `sensor`."""
-    found = next((model for model in MODELS if model.protocol == layout.protocol and model.lasers == layout.lasers
-                  and layout.blocks in model.blocks), None)
+def model_of(layout: Layout, sensor: str | None = None, times: str = "") -> Model:
+    """The model that sends such packets. Raises ValueError where it is not known, or not `sensor`.
+
+    Models whose packets are alike are told apart by the kind of their firing times.
+    """
+    alike = [model for model in MODELS if model.protocol == layout.protocol and model.lasers == layout.lasers
+             and layout.blocks in model.blocks]
+    found = next((model for model in alike if model.times == times), alike[0] if alike else None)
     if found is None:
         raise ValueError(f"packets of Hesai's protocol {layout.protocol[0]}.{layout.protocol[1]} with {layout.lasers} "
                          f"channels and {layout.blocks} blocks are not decoded; have the driver write its point clouds")
@@ -99,7 +112,9 @@ class Decoder:
         layouts.pop(None, None)
         layout = layouts.most_common(1)[0][0]
         assert layout is not None
-        self.layout, self.model = layout, model_of(layout, sensor)
+        angle_file, time_file = (None, None) if correction is None else files_of(correction)
+        times = None if time_file is None else read_times(time_file)
+        self.layout, self.model = layout, model_of(layout, sensor, times.kind if times else "")
         self.sensor, self.title = self.model.sensor, self.model.title
         self.skipped, self.modes = skipped, set[str]()
         self.clock = Clock(believed=clock)
@@ -108,8 +123,10 @@ class Decoder:
         packets = self._packets([probe[k] for k in first])
 
         self.source = "" if correction is None else str(correction)
-        laser_s, period_s = self._times(), self.model.period_us * 1e-6
-        order = np.argsort(laser_s, kind="stable")
+        self._slow = self._is_slow(packets)
+        laser_s = self._times(times)
+        period_s = self.model.period_us * 1e-6 * (2 if self._slow else 1)
+        order = np.argsort(laser_s[0], kind="stable")
         self._order: npt.NDArray[np.intp] = order
         steps = np.diff(self._stamps(packets))
         returns = MODES.get(collections.Counter(packets["tail"]["mode"].tolist()).most_common(1)[0][0], (1, ""))[0]
@@ -117,13 +134,14 @@ class Decoder:
             steps, captured_s[first], max(1, layout.blocks // returns), period_s)
         angles: Calibration | MirrorAngles
         if layout.protocol == AT128:
-            angles = MirrorAngles.read(self._needed(correction), order)
+            angles = MirrorAngles.read(self._needed(angle_file), order)
             self._rotation: Rotation | Sweeps = Sweeps(angles.start_deg)
         else:
-            elevation, azimuth = self._angles(correction)
+            elevation, azimuth = self._angles(angle_file)
             angles = Calibration.nominal(elevation[order], azimuth[order], np.zeros(len(order)))
             self._rotation = Rotation(_START_DEG, self._period_s)
-        self._revolutions = Revolutions(angles, order, laser_s[order] * (self._period_s / period_s), self._period_s,
+        self._fires = np.isfinite(laser_s[:, order])
+        self._revolutions = Revolutions(angles, order, laser_s[:, order] * (self._period_s / period_s), self._period_s,
                                         layout.unit_mm * 0.001)
 
     def unfit(self, data: bytes) -> str:
@@ -162,10 +180,40 @@ class Decoder:
         size = self.layout.packet.itemsize
         return np.frombuffer(b"".join(data[:size] for data in packets), dtype=self.layout.packet)
 
-    def _times(self) -> Floats:
-        """Times, s, of the channels in a firing."""
+    def _times(self, times: FiringTimes | None) -> Floats:
+        """(states, channels) times, s, of the channels in a firing; NaN where one does not fire."""
+        if self.model.times:
+            if times is None:
+                raise ValueError(f"a {self.title} fires some of its channels at a time, and packets do not tell which; put "
+                                 "its angle correction file and its file of firing times into a folder, and give that "
+                                 "with --metadata FOLDER")
+            if times.kind != self.model.times or times.us.shape[1] != self.model.lasers:
+                raise ValueError(f"the firing times in {self.source} are not those of a {self.title}")
+            if self.model.times == "loops" and self.layout.flags & SELF_DEFINED:
+                raise ValueError(f"packets of a {self.title} whose channels the user has chosen are not decoded")
+            return times.us * 1e-6
         name, step = self.model.like
-        return catalogue.load(name).time_s[::step] if name else np.array(self.model.laser_us) * 1e-6
+        return (catalogue.load(name).time_s[::step] if name else np.array(self.model.laser_us) * 1e-6)[None]
+
+    def _is_slow(self, packets: Packets) -> bool:
+        """Whether a Pandar128 is in a mode in which a firing of all channels takes twice as long."""
+        return self.layout.protocol == PANDAR128 and bool(np.median(packets["tail"]["operation"]) > 0)
+
+    def _states(self, packets: Packets, groups: int) -> npt.NDArray[np.intp]:
+        """(n, groups), in which of the states of the firing times a firing is; -1 where no such state is known."""
+        n, block = len(packets), np.arange(groups) * (self.layout.blocks // groups)
+        count = len(self._fires)
+        if self.model.times == "loops":
+            return (packets["tail"]["loop"][:, None].astype(np.intp) + np.arange(groups) + 1) % count
+        if not self.model.times:
+            return np.zeros((n, groups), dtype=np.intp)
+        state = packets["tail"]["states"][:, None].astype(np.intp) >> (2 * (7 - block)) & 3
+        first = np.array([0, -1, 4, 6])[np.minimum(packets["tail"]["operation"], 3)]
+        first[packets["tail"]["operation"] > 3] = -1
+        state += first[:, None]
+        # Modes but the first have two states.
+        known = (first >= 0)[:, None] & (state < np.where(first > 0, first + 2, 4)[:, None]) & (state < count)
+        return np.where(known & ((first > 0)[:, None] == self._slow), state, -1)
 
     def _angles(self, correction: pathlib.Path | None) -> tuple[Floats, Floats]:
         """Elevations and azimuth offsets (counter-clockwise), rad, of the channels."""
@@ -199,9 +247,14 @@ class Decoder:
         if self.layout.protocol == PANDAR40:
             sound &= (blocks["flag"] == 0xEEFF).all(axis=2)
         self.skipped["blocks with a wrong flag or azimuth"] += int((~sound).sum()) * returns
+        states = self._states(packets, groups)
+        self.skipped["blocks in an unknown mode of firing"] += int((sound & (states < 0)).sum()) * returns
+        sound &= states >= 0
         if self.stamped:
             stamp_s = self._stamps(packets)
             last_s = stamp_s + self.clock.shift(stamp_s, captured_s) + model.stamp_us * 1e-6
+            if model.stamps_first:
+                last_s += (groups - 1) * self._period_s
         else:
             last_s = captured_s - self._period_s
         time_s = (last_s[:, None] + np.arange(1 - groups, 1) * self._period_s)[sound]
@@ -211,6 +264,9 @@ class Decoder:
         else:
             azimuth += _START_DEG
         rate, turn = self._rotation.advance(azimuth, time_s)
-        lasers = blocks["lasers"][sound][:, :, self._order]
-        return Firings(azimuth + rate * (model.azimuth_us * 1e-6), rate, time_s, turn,
+        lasers, state = blocks["lasers"][sound][:, :, self._order], states[sound]
+        if model.times:
+            idle = (lasers["range"] > 0) & ~self._fires[state][:, None, :]
+            self.skipped["returns of channels that do not fire then"] += int(idle.sum())
+        return Firings(azimuth + rate * (model.azimuth_us * 1e-6), rate, time_s, turn, state,
                        lasers["range"].astype(np.uint16), lasers["intensity"].astype(np.uint8))

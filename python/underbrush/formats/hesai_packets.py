@@ -1,7 +1,7 @@
 """Layouts of Hesai's point cloud packets, as their headers tell them.
 
 Sources: the maker's manuals (Pandar40P, Pandar64, PandarXT) and drivers (HesaiLidar_SDK_2.0, HesaiLidar_General_SDK),
-and Tier IV's driver Nebula (which has AT128, too).
+and Tier IV's driver Nebula (which has AT128, OT128 and both QT, too).
 """
 from __future__ import annotations
 
@@ -18,13 +18,17 @@ MODES = {
     0x39: (2, "dual return"), 0x3A: (2, "dual return"), 0x3B: (2, "dual return"), 0x3C: (2, "dual return"),
     0x3D: (3, "triple return"), 0x3E: (2, "dual return")}
 
-_SEQUENCE, _SIGNATURE = 1, 8  #: Flags of the header.
+_SEQUENCE, _INERTIAL, _SAFETY, _SIGNATURE = 1, 2, 4, 8  #: Flags of the header.
+_UNIT_BYTES = (0x10, 0x20, 0x40)  #: Flags of the header: each adds a byte to a return of protocol 1.4.
+SELF_DEFINED = 0x40  #: Flag of the header of protocol 3.2: the user has chosen which channels fire.
 PANDAR40, PANDAR64 = (0, 0), (0, 1)  #: Protocols that have no number: packets without a header, and with a short one.
-XT, AT128 = (6, 1), (4, 3)
+XT, AT128, QT64, QT128, PANDAR128 = (6, 1), (4, 3), (3, 1), (3, 2), (1, 4)
 #: Version of the protocol -> length of the tail and places in it of return mode, date and microseconds.
-_TAILS = {PANDAR40: (22, 14, 16, 10), PANDAR64: (22, 14, 16, 10), XT: (24, 10, 13, 19), AT128: (32, 24, 26, 20)}
+_TAILS = {PANDAR40: (22, 14, 16, 10), PANDAR64: (22, 14, 16, 10), XT: (24, 10, 13, 19), AT128: (32, 24, 26, 20),
+          QT64: (24, 16, 18, 12), QT128: (26, 12, 15, 21), PANDAR128: (26, 12, 15, 21)}
+_SAFE = (QT128, PANDAR128)  #: Check sums and, by a flag, the state of the sensor stand before and behind their tails.
 #: Protocols with other bodies, which are recognised in order to name them.
-_OTHERS = {(1, 4), (1, 8), (3, 1), (3, 2), (4, 7), (7, 2)}
+_OTHERS = {(1, 8), (4, 7), (7, 2)}
 _PANDAR40_BYTES = 10 * (4 + 40 * 3) + 22
 
 
@@ -54,29 +58,39 @@ class Layout:
         size = self.packet.itemsize
         if self.protocol in (PANDAR40, PANDAR64):
             return size, size + 4
-        check = 4 * (self.protocol == AT128)  # A check sum stands behind the tail, as one does behind the blocks.
-        return (size + check + 4 * bool(self.flags & _SEQUENCE) + 32 * bool(self.flags & _SIGNATURE),)
+        check = 4 * (self.protocol == AT128 or self.protocol in _SAFE)  # Another one stands behind the blocks.
+        inertial = 22 * bool(self.protocol == PANDAR128 and self.flags & _INERTIAL)
+        signed = 32 * bool(self.protocol != QT64 and self.flags & _SIGNATURE)
+        return (size + check + 4 * bool(self.flags & _SEQUENCE) + inertial + signed,)
 
     @property
     def packet(self) -> np.dtype[Any]:
         """Header, blocks and tail, without the optional parts at the end."""
-        return _packet_of(self.protocol, self.lasers, self.blocks)
+        return _packet_of(self.protocol, self.lasers, self.blocks, self.flags)
 
 
 @functools.lru_cache(maxsize=64)
-def _packet_of(protocol: tuple[int, int], lasers: int, blocks: int) -> np.dtype[Any]:
+def _packet_of(protocol: tuple[int, int], lasers: int, blocks: int, flags: int) -> np.dtype[Any]:
     """As `Layout.packet`."""
-    headless, short = protocol == PANDAR40, protocol == PANDAR64
-    unit = [("range", "<u2"), ("intensity", "u1"), *([] if headless or short else [("confidence", "u1")])]
-    mirror = protocol == AT128
+    headless, short, mirror = protocol == PANDAR40, protocol == PANDAR64, protocol == AT128
+    if protocol in _SAFE:
+        added = sum(bool(flags & flag) for flag in _UNIT_BYTES[:3 if protocol == PANDAR128 else 1])
+    else:
+        added = 0 if headless or short else 1
+    unit = [("range", "<u2"), ("intensity", "u1"), ("more", "u1", (added,))]
     block = [*([("flag", "<u2")] if headless else []), ("azimuth", "<u2"), *([("fine", "u1")] if mirror else []),
              ("lasers", unit, (lasers,))]
     size, mode, date, stamp = _TAILS[protocol]
-    tail = np.dtype({"names": ["mode", "date", "stamp_us"], "formats": ["u1", ("u1", (6,)), "<u4"],
-                     "offsets": [mode, date, stamp], "itemsize": size})
+    names, formats, offsets = ["mode", "date", "stamp_us"], ["u1", ("u1", (6,)), "<u4"], [mode, date, stamp]
+    if protocol in _SAFE:
+        names += ["loop", "states", "operation"]
+        formats += ["u1", "<u2", "u1"]
+        offsets += [5, 9, 11]
+    tail = np.dtype({"names": names, "formats": formats, "offsets": offsets, "itemsize": size})
     header = np.dtype((np.void, 0 if headless else 8 if short else 12))
+    safety = 17 if protocol in _SAFE and flags & _SAFETY else 0
     fields = [*([] if headless else [("header", header)]), ("blocks", block, (blocks,)),
-              *([("check", "<u4")] if mirror else []), ("tail", tail)]
+              *([("check", "<u4")] if mirror or protocol in _SAFE else []), ("safety", "u1", (safety,)), ("tail", tail)]
     return np.dtype(fields)
 
 

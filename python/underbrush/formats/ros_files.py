@@ -4,6 +4,8 @@ from __future__ import annotations
 import bz2
 import contextlib
 import pathlib
+import re
+import tempfile
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -106,21 +108,45 @@ def _bounded(unpack: Callable[[bytes], bytes]) -> Callable[[bytes], bytes]:
 
 
 @contextlib.contextmanager
+def _with_formats(path: pathlib.Path, kind: str) -> Iterator[pathlib.Path]:
+    """Yields the path, or a folder with links to its files whose metadata name the formats.
+
+    A recorder may leave both names empty. ROS then tries its plug-ins, but rosbags refuses the folder.
+    """
+    if kind != "folder":
+        yield path
+        return
+    told = (path / "metadata.yaml").read_text(encoding="utf-8", errors="replace")
+    storage = "mcap" if any(path.glob("*.mcap*")) else "sqlite3"
+    named = told
+    for key, name in (("storage_identifier", storage), ("serialization_format", "cdr")):
+        named = re.sub(rf"""^([ -]*{key}:) *(?:""|'')? *$""", rf"\1 {name}", named, flags=re.MULTILINE)
+    if named == told:
+        yield path
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        for file in path.iterdir():
+            (pathlib.Path(folder) / file.name).symlink_to(file.absolute())
+        (pathlib.Path(folder) / "metadata.yaml").unlink()
+        (pathlib.Path(folder) / "metadata.yaml").write_text(named, encoding="utf-8")
+        yield pathlib.Path(folder)
+
+
+@contextlib.contextmanager
 def opened(path: pathlib.Path, kind: str) -> Iterator[Any]:
     """Yields rosbags' reader of a file of that kind, open, with `duration`, `start_time` and `end_time` (ns)."""
     if kind not in _READERS:
         raise FormatError(path, "", "is no ROS bag")
     module, name = _READERS[kind]
-    with guarded(path, "open"):
-        reader = getattr(need("rosbags." + module), name)(path)
-        reader.open()
-        if kind == "ros1":
-            reader.chunks = {at: chunk._replace(decompressor=_bounded(chunk.decompressor))
-                             for at, chunk in reader.chunks.items()}
-    try:
+    with contextlib.ExitStack() as stack:
+        with guarded(path, "open"):
+            reader = getattr(need("rosbags." + module), name)(stack.enter_context(_with_formats(path, kind)))
+            reader.open()
+            stack.callback(reader.close)
+            if kind == "ros1":
+                reader.chunks = {at: chunk._replace(decompressor=_bounded(chunk.decompressor))
+                                 for at, chunk in reader.chunks.items()}
         for fact in ("duration", "start_time", "end_time"):
             if not hasattr(reader, fact):
                 setattr(reader, fact, getattr(reader.metadata, fact))
         yield reader
-    finally:
-        reader.close()

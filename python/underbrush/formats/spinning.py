@@ -25,6 +25,7 @@ class Firings:
     rate_deg_s: Floats  #: (n,)
     time_s: Floats  #: (n,)
     turn: Floats  #: (n,), number of the revolution.
+    state: npt.NDArray[np.intp]  #: (n,), which of the firing times hold.
     range: Counts  #: (n, returns, lasers), in steps of the range; 0 is a miss.
     intensity: npt.NDArray[np.uint8]  #: (n, returns, lasers)
 
@@ -55,11 +56,12 @@ class Revolutions:
 
     def __init__(self, calibration: Angles, ring: npt.NDArray[np.int64], laser_s: Floats, period_s: float,
                  resolution_m: float) -> None:
-        """`ring` and `laser_s` are (lasers,): ring and time after the start of a firing, which takes `period_s`.
+        """`ring` is (lasers,), and `laser_s` (lasers,) or (states, lasers): the time after the start of a firing.
 
-        `resolution_m` is the step of the range.
+        A firing takes `period_s`. In a state in which its time is NaN, a laser does not fire. `resolution_m` is the step
+        of the range.
         """
-        self._calibration, self._ring, self._laser_s = calibration, ring.astype(np.uint16), laser_s
+        self._calibration, self._ring, self._laser_s = calibration, ring.astype(np.uint16), np.atleast_2d(laser_s)
         self._period_s, self._resolution_m = period_s, resolution_m
         self._pending: list[Firings] = []
         self._scans = 0
@@ -88,14 +90,22 @@ class Revolutions:
         parts, self._pending = self._pending, []
         joined = Firings(*(np.concatenate([getattr(part, field.name) for part in parts])
                            for field in dataclasses.fields(Firings)))
-        time_s = (joined.time_s[:, None] + self._laser_s).ravel()
-        clockwise = np.radians(joined.azimuth_deg[:, None] + joined.rate_deg_s[:, None] * self._laser_s)
+        after_s = self._laser_s[joined.state]
+        time_s = (joined.time_s[:, None] + after_s).ravel()
+        clockwise = np.radians(joined.azimuth_deg[:, None] + joined.rate_deg_s[:, None] * after_s)
         direction, origin = self._calibration.beams(-clockwise)
         counts, shades = (values.swapaxes(0, 1).reshape(values.shape[1], -1)
                           for values in (joined.range, joined.intensity))
+        laser = np.tile(np.arange(len(self._ring)), len(joined))
+        if len(self._laser_s) > 1:  # The lasers that fire, and their order, differ from firing to firing.
+            first = np.arange(len(joined))[:, None] * len(self._ring)
+            order = (first + np.argsort(self._laser_s, axis=1, kind="stable")[joined.state])[
+                np.isfinite(np.sort(self._laser_s, axis=1))[joined.state]]
+            time_s, direction, laser = time_s[order], direction[order], laser[order]
+            counts, shades, origin = counts[:, order], shades[:, order], None if origin is None else origin[order]
         rows = rows_of(counts)
         count = counts[rows.which, rows.beam]
-        laser = np.tile(np.arange(len(self._ring)), len(joined))[rows.beam]
+        laser = laser[rows.beam]
         direction, origin = direction[rows.beam], None if origin is None else origin[rows.beam]
         range_m = count * np.float32(self._resolution_m)
         range_m[count == 0] = np.inf

@@ -242,5 +242,5 @@ class Decoder:
         half_s = np.arange(halves) * self._period_s
         return Firings(
             (azimuth[sound][:, None] + rate[:, None] * half_s).ravel(), np.repeat(rate, halves),
-            (time_s[:, None] + half_s).ravel(), np.repeat(turn, halves),
+            (time_s[:, None] + half_s).ravel(), np.repeat(turn, halves), np.zeros(len(turn) * halves, dtype=np.intp),
             values("range").astype(np.uint16), values("intensity").astype(np.uint8))
