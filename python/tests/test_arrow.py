@@ -7,6 +7,7 @@ import pathlib
 import duckdb
 import numpy as np
 import pyarrow as pa
+import pyarrow.dataset
 import pytest
 
 import underbrush
@@ -149,6 +150,31 @@ def test_parquet_folders(log: underbrush.BeamLog, tmp_path: pathlib.Path) -> Non
     assert hits == [(m, int((np.isfinite(rich.range_m) & (minute == m)).sum())) for m in (-1, 0, 1)]
     underbrush.write_parquet(tmp_path / "scans", rich, partition="scan")
     assert len(list((tmp_path / "scans").iterdir())) == len(np.unique(rich.scan))
+
+
+def test_geoparquet(log: underbrush.BeamLog, tmp_path: pathlib.Path) -> None:
+    geopandas = pytest.importorskip("geopandas", reason="geopandas is not installed")
+    rich = three_minutes(log)
+    hit = np.isfinite(rich.range_m)
+    assert hit.any() and not hit.all()
+    for partition in ("minute", "scan"):
+        folder = tmp_path / partition
+        underbrush.write_parquet(folder, rich, partition=partition, geometry=True)  # type: ignore[arg-type]
+        back = geopandas.read_parquet(folder)
+        assert back.crs is None and list(back.columns)[-1] in ("geometry", partition)
+        back = back.sort_values("time_s", kind="stable")
+        order = np.argsort(rich.time_s, kind="stable")
+        assert (back.geometry.notna().to_numpy() == hit[order]).all()
+        ends = (rich.origin + rich.direction.astype(np.float64) * rich.range_m[:, None])[order][hit[order]]
+        found = back.geometry[back.geometry.notna()]
+        np.testing.assert_array_equal(np.stack([found.x, found.y, found.z], axis=1), ends)
+        assert back.total_bounds == pytest.approx([*ends.min(axis=0)[:2], *ends.max(axis=0)[:2]])
+    rows = pa.dataset.dataset(tmp_path / "scan", partitioning="hive").to_table()  # The scans are signed numbers there.
+    assert same(underbrush.log_from_arrow(rows.sort_by("time_s")), rich)
+    for scan in (-1, 1 << 32):
+        beyond = rows.set_column(rows.column_names.index("scan"), "scan", pa.array([scan] * len(rows)))
+        with pytest.raises(ValueError, match="the column scan has numbers beyond 0 to 4294967295"):
+            underbrush.log_from_arrow(beyond)
 
 
 def test_parquet_refuses(log: underbrush.BeamLog, tmp_path: pathlib.Path) -> None:

@@ -21,8 +21,8 @@ def log_from_columns(*, origin: npt.ArrayLike, direction: npt.ArrayLike, range_m
     float64. Without `info`, the log's `has_misses` says whether there is a miss among the rows. To copy nothing, fill
     the views of `BeamLog(n)` instead.
 
-    Raises `ValueError` for a column of another length or shape, for directions that are not unit vectors and for ranges
-    that are not positive, and `TypeError` for a column of another kind of number.
+    Raises `ValueError` for a column of another length or shape, for directions that are not unit vectors, for ranges that
+    are not positive and for integers that a column cannot hold, and `TypeError` for a column of another kind of number.
     """
     ranges = np.asarray(range_m)
     if info is None:
@@ -57,6 +57,11 @@ def _fill(view: npt.NDArray[np.generic], given: npt.ArrayLike, name: str) -> Non
     values = np.asarray(given)
     if values.shape != view.shape:
         raise ValueError(f"log: the column {name} has the shape {values.shape}, expected {view.shape}")
+    if values.dtype.kind in "iu" and view.dtype.kind in "iu" and values.size:
+        bounds = np.iinfo(view.dtype)
+        if values.min() < bounds.min or values.max() > bounds.max:
+            raise ValueError(f"log: the column {name} has numbers beyond {bounds.min} to {bounds.max}")
+        values = values.astype(view.dtype)
     np.copyto(view, values, casting="same_kind")
 
 
