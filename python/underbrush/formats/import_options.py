@@ -6,12 +6,10 @@ import pathlib
 from collections.abc import Sequence
 from typing import Any, NoReturn
 
+from .._core import import_options
 from ..errors import FormatError
 
 _MOST_THREADS, _FARTHEST_M, _MOST_FRAMES = 1024, 1e6, 1 << 32
-#: Options of the program that recordings do not need, and the values at which they change nothing.
-_OTHERS = {"format": "", "times": "", "labels": "", "columns": "", "unit": "m", "assets": "", "deskew": "",
-           "times-as-given": "false", "elevation-offset-deg": "0", "points-in-world": "false"}
 _EPILOG = """examples:
   underbrush import drive.bag                                    what the bag holds
   underbrush import drive.bag --infer-misses velodyne-hdl64e -o drive.ply
@@ -95,14 +93,15 @@ def _words_of(p: Parser, path: str) -> list[str]:
         raise FormatError(path, "", "expected lines of NAME: VALUE")
     options: dict[str, Any] = {name[2:]: action for action in p._actions for name in action.option_strings
                                if name.startswith("--") and name not in ("--help", "--config", "--force", "--json")}
+    defaults = {name: default for name, _, default, *_ in import_options()}  # Recordings do not need all of them.
     words = []
     for name, value in root.items():
         if not isinstance(value, str):
             raise FormatError(path, str(name), "expected a value")
         if name not in options:
-            if name not in _OTHERS:
+            if name not in defaults:
                 raise FormatError(path, str(name), "no such option of 'import' (see dump-config)")
-            if value != _OTHERS[name]:
+            if value != defaults[name]:
                 raise FormatError(path, str(name), "is not for recordings")
             continue
         if options[name].nargs == 0:
