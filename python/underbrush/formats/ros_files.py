@@ -140,9 +140,15 @@ def opened(path: pathlib.Path, kind: str) -> Iterator[Any]:
     module, name = _READERS[kind]
     with contextlib.ExitStack() as stack:
         with guarded(path, "open"):
-            reader = getattr(need("rosbags." + module), name)(stack.enter_context(_with_formats(path, kind)))
+            place = stack.enter_context(_with_formats(path, kind))
+            reader = getattr(need("rosbags." + module), name)(place)
             reader.open()
             stack.callback(reader.close)
+            if place != path:  # The files themselves may not name the format of the messages, either.
+                told = {(c.topic, c.msgtype): c.ext for c in reader.connections}
+                for storage in reader.storages:
+                    storage.connections = [c._replace(ext=told.get((c.topic, c.msgtype), c.ext))
+                                           for c in storage.connections]
             if kind == "ros1":
                 reader.chunks = {at: chunk._replace(decompressor=_bounded(chunk.decompressor))
                                  for at, chunk in reader.chunks.items()}
