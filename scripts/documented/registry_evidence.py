@@ -45,9 +45,12 @@ def viewpoints(folder: typing.Any) -> typing.Iterator[tuple[str, str, list[float
                "informedness": ("informedness", 1)}
     sources = {"truth": "truth", "default": "default", "voxel": "voxel", "mesh": "mesh", "carved mesh": "mesh, carved",
                "always hit": "always hit"}
+    only = {"truth": "transmission", "always hit": "capped_error_m"}  # Their other columns are the same for all views.
     for view, answers in figures(folder).items():
         for column, (key, unit) in columns.items():
             for name, source in sources.items():
+                if only.get(name, key) != key:
+                    continue
                 empty = key == "informedness" and view == "overhead"
                 yield view, f"{column}: {name}", [] if empty else [unit * answers[source][key]]
 
