@@ -171,6 +171,13 @@ def test_geoparquet(log: underbrush.BeamLog, tmp_path: pathlib.Path) -> None:
         assert back.total_bounds == pytest.approx([*ends.min(axis=0)[:2], *ends.max(axis=0)[:2]])
     rows = pa.dataset.dataset(tmp_path / "scan", partitioning="hive").to_table()  # The scans are signed numbers there.
     assert same(underbrush.log_from_arrow(rows.sort_by("time_s")), rich)
+    for name, options in (("geometry", {"geometry": True}), ("minute", {})):
+        own = three_minutes(log)
+        own.add_column(name, np.uint8)[:] = 3
+        assert underbrush.log_from_arrow(pa.table(own)).extra[name][0] == 3
+        with pytest.raises(ValueError, match=f"the log has a column {name} already"):
+            underbrush.write_parquet(tmp_path / "twice", own, **options)  # type: ignore[arg-type]
+        assert not (tmp_path / "twice").exists()
     for scan in (-1, 1 << 32):
         beyond = rows.set_column(rows.column_names.index("scan"), "scan", pa.array([scan] * len(rows)))
         with pytest.raises(ValueError, match="the column scan has numbers beyond 0 to 4294967295"):

@@ -123,16 +123,16 @@ except KeyboardInterrupt:
 
 
 def test_ctrl_c(log_file: pathlib.Path) -> None:
-    process = subprocess.Popen([sys.executable, "-c", PROGRAM, str(log_file)], stdout=subprocess.PIPE, text=True)
-    try:
-        assert process.stdout is not None and process.stdout.readline() == "ready\n"
-        time.sleep(1)
-        process.send_signal(signal.SIGINT)
-        start = time.monotonic()
-        assert process.communicate(timeout=60)[0] == "interrupted\n"
-        assert time.monotonic() - start < 20 and process.returncode == 0
-    finally:
-        process.kill()
+    with subprocess.Popen([sys.executable, "-c", PROGRAM, str(log_file)], stdout=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout is not None and process.stdout.readline() == "ready\n"
+            time.sleep(1)
+            process.send_signal(signal.SIGINT)
+            start = time.monotonic()
+            assert process.communicate(timeout=60)[0] == "interrupted\n"
+            assert time.monotonic() - start < 20 and process.returncode == 0
+        finally:
+            process.kill()
 
 
 def test_threads() -> None:

@@ -197,6 +197,13 @@ def test_what_is_left_out_is_counted(tmp_path: pathlib.Path) -> None:
         "packets of another model": 2, "packets with an unknown return mode": 1}
 
 
+def test_an_empty_datagram_is_no_packet(tmp_path: pathlib.Path) -> None:
+    unit = UNITS["xt32"]
+    packets = packets_of(unit, observe(unit, 240))
+    recording = recorded(tmp_path, unit, [*packets[:3], (packets[3][0], b""), *packets[3:]])
+    assert sum(map(len, recording.scans())) == 32 * 240
+
+
 def test_packets_with_other_flags_are_told(tmp_path: pathlib.Path) -> None:
     unit = UNITS["xt32"]
     packets = packets_of(unit, observe(unit, 240))

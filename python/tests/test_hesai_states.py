@@ -25,7 +25,7 @@ class Kind:
 
     protocol: tuple[int, int]
     period_us: float
-    first_us: float  #: Time of the packet's first block after the stamp, if `stamps_first`, or that of its last one.
+    first_us: float  #: Time after the stamp of the packet's first block (`stamps_first`) or of its last one; as the SDK.
     stamps_first: bool
     states: tuple[int, ...]  #: States of successive firings, in turn.
     operation: int = 0
@@ -170,18 +170,53 @@ def test_a_folder_with_both_files_is_asked_for(tmp_path: pathlib.Path) -> None:
         PacketRecording(chosen, unit)
 
 
-@pytest.mark.parametrize("text", ["EEFF,1,1\n", "EEFF,1,1\na,b,c,9\nx\n", "EEFF,1\na,1,b,2\nx\n1,2,3,x\n",
-                                  "EEFF,1\na,1,b,1\nx\n300,1\n", "EEFF,1\na,1,b,1\nx\n", "\0",
-                                  "Operational State,0\nAzimuth State\n2,1,1,1,1,1,1\n", "2.85\noperation mode\nx\n",
-                                  "Operational State,0\nAzimuth State\n1,1,1,1,1,1,1e9\n",
-                                  "Operational State,0\nAzimuth State\n1,1,1\n2,1\n"])
+LOOPS, STATES = "EEFF,1,1\na,1,LoopNum,", "Operational State,0,0,0,0,2,2\nAzimuth State,0,1,2,3,0,1\n"
+
+
+@pytest.mark.parametrize("text", [
+    LOOPS + "9\nx\n", LOOPS + "2\nx\n1,2,3,x\n", LOOPS + "1\nx\n300,1\n", LOOPS + "1\nx\n", LOOPS + "2\nx\n1,2,3\n",
+    LOOPS + "2\nx\n1,2,0,0\n", LOOPS + "1\nx\n1,2\n1,3\n", STATES + "2,1,1,1,1,1,1\n", STATES + "1,1,1,1,1,1,1e9\n",
+    STATES + "1,1,1\n2,1\n", STATES + "1,1,1,1,-,1,1\n", STATES, "Operational State,0\nAzimuth State\n1,1\n",
+    STATES.replace("0,2,2", "2,2,0") + "1,1,1,1,1,1,1\n", "2.85\noperation mode\nx\n"])
 def test_bad_times_have_one_line(tmp_path: pathlib.Path, text: str) -> None:
     kind = KINDS["qt128"]
     path, unit = save(tmp_path / "a.pcap", packets_of(kind, observe(kind, 40), 0x15)), folder(tmp_path / "unit", kind)
     (unit / "times.csv").write_text(text)
     with pytest.raises(FormatError) as error:
         PacketRecording(path, unit)
-    assert "\n" not in str(error.value) and ("unit: " in str(error.value) or "--metadata FOLDER" in str(error.value))
+    assert "\n" not in str(error.value) and "times.csv: is no file of firing times" in str(error.value)
+
+
+def test_other_files_of_the_folder_do_not_matter(tmp_path: pathlib.Path) -> None:
+    kind = KINDS["qt128"]
+    path, unit = save(tmp_path / "a.pcap", packets_of(kind, observe(kind, 40), 0x15)), folder(tmp_path / "unit", kind)
+    (unit / "channels.csv").write_text("EEFF,1,1\nLaserNum,128,BlockNum,2\n1,2\n")
+    (unit / "notes.txt").write_text("Elevation")
+    (unit / "folder.csv").mkdir()
+    (unit / "angles.csv").rename(unit / "angles.CSV")
+    assert sum(map(len, PacketRecording(path, unit).scans())) == 96 * 40
+    one = (unit / "times.csv").read_text().replace("LoopNum,2", "LoopNum,1")
+    (unit / "times.csv").write_text("".join(",".join(line.split(",")[:2]) + "\n" if line.count(",") == 3 and line[0].isdigit()
+                                            else line + "\n" for line in one.splitlines()))
+    with pytest.raises(FormatError, match="whose channels the user has chosen are not decoded"):
+        PacketRecording(path, unit)
+
+
+def test_ranges_of_an_ot128_that_are_codes(tmp_path: pathlib.Path) -> None:
+    kind = KINDS["ot128, standard"]
+    seen = observe(kind, 240)
+    code = np.resize([0, 1, 2, 3, 4], seen.counts.shape)
+    seen.counts = np.where(seen.counts > 0, np.where(code < 4, code, seen.counts), 3)
+    recording = PacketRecording(save(tmp_path / "a.pcap", packets_of(kind, seen, 0)), folder(tmp_path / "unit", kind))
+    scans = list(recording.scans())
+    close = np.isin(seen.counts, (1, 2))
+    assert recording.skipped == {"beams that end too close to be measured": close.sum()}
+    assert sum(map(len, scans)) == (~close).sum()
+    order = np.lexsort((seen.after_s.ravel(), np.nonzero(seen.counts >= 0)[0]))
+    kept = seen.counts.ravel()[order][~close.ravel()[order]]
+    np.testing.assert_allclose(joined(scans, "range_m"), np.where(kept > 3, kept * 0.004, np.inf), atol=1e-4)
+    with pytest.raises(FormatError, match="a Hesai Pandar128 or OT128 fires some of its channels at a time"):
+        PacketRecording(tmp_path / "a.pcap", tmp_path / "unit" / "angles.csv")
 
 
 def test_returns_of_channels_that_do_not_fire_are_counted(tmp_path: pathlib.Path) -> None:
@@ -202,4 +237,5 @@ def test_unknown_modes_are_counted(tmp_path: pathlib.Path) -> None:
         packets[number] = time_s, data[:tail + 11] + bytes([operation]) + data[tail + 12:]
     recording = PacketRecording(save(tmp_path / "a.pcap", packets), folder(tmp_path / "unit", kind))
     assert sum(map(len, recording.scans())) == 128 * (240 - 6)
-    assert recording.skipped == {"blocks in an unknown mode of firing": 6}
+    assert recording.skipped == {"blocks in an unknown mode of firing": 4,
+                                 "blocks in another mode of firing than the first ones": 2}

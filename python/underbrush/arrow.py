@@ -29,8 +29,9 @@ def log_from_arrow(table: Any) -> BeamLog:
     """Makes a log from a table of Arrow, or a value that pyarrow reads as one; its rows are copied.
 
     The columns have the names, shapes and units of `log_from_columns`, where those with several numbers a row are lists.
-    Other columns become further columns of the log, except the points of GeoParquet (`geometry`). The facts about the log come from the schema, where `pyarrow.table`
-    and `write_parquet` put them; the poses of its scans are not among them.
+    Other columns become further columns of the log, except the points of GeoParquet (a binary column `geometry`). The
+    facts about the log come from the schema, where `pyarrow.table` and `write_parquet` put them; the poses of its scans
+    are not among them.
 
     Raises `ValueError` for a column that is missing or has nulls, and what `log_from_columns` raises.
     """
@@ -38,7 +39,8 @@ def log_from_arrow(table: Any) -> BeamLog:
     for name in _NEEDED:
         if name not in found.column_names:
             raise ValueError(f"log: the table has no column {name}")
-    columns = {name: _values(found.column(name), name) for name in found.column_names if name != _GEOMETRY}
+    columns = {name: _values(found.column(name), name) for name in found.column_names
+               if name != _GEOMETRY or str(found.column(name).type) not in ("binary", "large_binary")}
     facts = (found.schema.metadata or {}).get(b"underbrush")
     named: dict[str, Any] = {name: columns.pop(name) for name in _NAMED if name in columns}
     return log_from_columns(**named, extra=columns, info=None if facts is None else _info(facts))
@@ -72,8 +74,8 @@ def write_parquet(folder: PathLike, log: BeamLog | PathLike, *, partition: Liter
     With `geometry` the files are GeoParquet, as QGIS and GeoPandas read it: a column `geometry` has the end point of each
     return (m, frame of the log, without a coordinate reference system), and nothing for a miss.
 
-    Raises `FileExistsError` where something stands at `folder`, `ValueError` for another `partition`, `FormatError`,
-    `OSError`.
+    Raises `FileExistsError` where something stands at `folder`, `ValueError` for another `partition` and for a log that
+    has a column of the name `minute` or `geometry` already, `FormatError`, `OSError`.
     """
     if partition not in ("minute", "scan"):
         raise ValueError(f"write_parquet: the partition {partition!r} is neither minute nor scan")
@@ -86,6 +88,9 @@ def write_parquet(folder: PathLike, log: BeamLog | PathLike, *, partition: Liter
         added[arrow.field("minute", arrow.int32())] = _minutes
     if geometry:
         added[arrow.field(_GEOMETRY, arrow.large_binary())] = _points
+    for field in added:
+        if field.name in chunks.schema.names:
+            raise ValueError(f"write_parquet: the log has a column {field.name} already")
     schema = arrow.schema([*chunks.schema, *added],
                           {**(chunks.schema.metadata or {}), **({b"geo": json.dumps(_GEO)} if geometry else {})})
     by = dataset.partitioning(arrow.schema([schema.field(partition)]), flavor="hive")

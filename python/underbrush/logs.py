@@ -57,12 +57,12 @@ def _fill(view: npt.NDArray[np.generic], given: npt.ArrayLike, name: str) -> Non
     values = np.asarray(given)
     if values.shape != view.shape:
         raise ValueError(f"log: the column {name} has the shape {values.shape}, expected {view.shape}")
-    if values.dtype.kind in "iu" and view.dtype.kind in "iu" and values.size:
+    whole = values.dtype.kind in "iu" and view.dtype.kind in "iu"
+    if whole and values.size and not np.can_cast(values.dtype, view.dtype):
         bounds = np.iinfo(view.dtype)
         if values.min() < bounds.min or values.max() > bounds.max:
             raise ValueError(f"log: the column {name} has numbers beyond {bounds.min} to {bounds.max}")
-        values = values.astype(view.dtype)
-    np.copyto(view, values, casting="same_kind")
+    np.copyto(view, values, casting="unsafe" if whole else "same_kind")
 
 
 def ellipsoid_axes(ellipsoids: EllipsoidTable) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:

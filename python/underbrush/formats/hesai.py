@@ -2,9 +2,9 @@
 
 Angles, times and the start of a revolution are those of the sensor catalogue where it has the model; what only packets
 know stands in `MODELS`. A block's azimuth is that of the rotor at the time that firing times count from, and a laser's
-is the rotor's at its own time. Those of an AT128, whose mirror spins, follow from its correction file. Sensors of 128
-channels that spin fire some of them at a time: which, and when, is in a file of firing times. Sources: those of
-`hesai_packets`.
+is the rotor's at its own time. Those of an AT128, whose mirror spins, follow from its correction file. In each firing, a
+QT128, a Pandar128 or an OT128 fires only some of its channels. A file of firing times tells which ones, and when. Times
+of an OT128's firings are those of the maker's driver; Nebula's are 43 µs later. Sources: those of `hesai_packets`.
 """
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from underbrush.formats import catalogue
 from underbrush.formats.clock import Clock
-from underbrush.formats.hesai_calibration import FiringTimes, files_of, read_angles, read_times
+from underbrush.formats.hesai_calibration import FiringTimes, read_angles, read_unit
 from underbrush.formats.hesai_mirror import MirrorAngles, Sweeps
 from underbrush.formats.hesai_packets import (AT128, MODES, PANDAR40, PANDAR64, PANDAR128, QT64, QT128, SELF_DEFINED, XT,
                                               Layout, layout_of, seconds_of)
@@ -50,9 +50,10 @@ class Model:
     azimuth_us: float  #: Time of a firing after the time at which the rotor has the block's azimuth.
     sensor: str = ""  #: Name in the catalogue; empty where it has none.
     like: tuple[str, int] = ("", 1)  #: Sensor of the catalogue of whose channels every nth is one of this model.
-    period_us: float = 50.0  #: Time of a firing.
+    period_us: float = 50.0  #: Time of a firing; a Pandar128 takes twice as long in all modes but the first.
     laser_us: tuple[float, ...] = ()  #: Times of the channels after the first laser, where the catalogue has none.
-    stamps_first: bool = False
+    stamps_first: bool = False  #: Whether the stamp counts from the packet's first firing.
+    has_codes: bool = False  #: Whether ranges of 1 to 3 steps are codes: too close twice, and no return.
     times: str = ""  #: Kind of the file that has the times of the channels (`FiringTimes.kind`), where one is needed.
 
 
@@ -68,7 +69,8 @@ MODELS = (
           laser_us=tuple(2.31 + 34.297 * (k // 16) + 16.85 * (k // 8 % 2) + 2.057 * (k % 8) for k in range(64))),
     Model("Hesai QT128", QT128, 128, (2,), 9.0, 0.0, period_us=111.11, stamps_first=True, times="loops"),
     Model("Hesai Pandar128", PANDAR128, 128, (2,), 3.148, 0.0, period_us=27.778, times="states"),
-    Model("Hesai OT128", PANDAR128, 128, (2,), 0.0, 0.0, period_us=27.778, times="states, OT128"),
+    Model("Hesai OT128", PANDAR128, 128, (2,), 0.0, 0.0, period_us=27.778, times="states, OT128",
+          has_codes=True),
     Model("Hesai AT128", AT128, 128, (2,), -9.249 - 41.666, 0.0, "hesai-at128", ("hesai-at128", 1), 41.666),
 )
 
@@ -86,6 +88,9 @@ def model_of(layout: Layout, sensor: str | None = None, times: str = "") -> Mode
     alike = [model for model in MODELS if model.protocol == layout.protocol and model.lasers == layout.lasers
              and layout.blocks in model.blocks]
     found = next((model for model in alike if model.times == times), alike[0] if alike else None)
+    if found is not None and not times and len(alike) > 1:
+        found = dataclasses.replace(found, title=alike[0].title + "".join(
+            f" or {model.title.removeprefix('Hesai ')}" for model in alike[1:]))
     if found is None:
         raise ValueError(f"packets of Hesai's protocol {layout.protocol[0]}.{layout.protocol[1]} with {layout.lasers} "
                          f"channels and {layout.blocks} blocks are not decoded; have the driver write its point clouds")
@@ -97,7 +102,9 @@ def model_of(layout: Layout, sensor: str | None = None, times: str = "") -> Mode
 class Decoder:
     """Turns packets into scans, one a revolution. Partial revolutions at the ends and at gaps are scans, too.
 
-    Rows are in order of firing. Raises ValueError where the model is not known or its angles are missing.
+    Rows are in order of firing. A Pandar128's packets in another mode of firing than the first ones are left out and
+    counted. Raises ValueError where the model is not known or its angles or firing times are missing, and FormatError
+    and OSError for its files.
     """
 
     organised = True
@@ -106,14 +113,13 @@ class Decoder:
                  sensor: str | None = None, correction: pathlib.Path | None = None, clock: str = "auto") -> None:
         """`probe` and `captured_s` are the first packets, which tell the model, and their times of capture.
 
-        `correction` is the unit's file of angles.
+        `correction` is the unit's file of angles, or a folder with it and the file of firing times.
         """
         layouts = collections.Counter(layout_of(data) for data in probe)
         layouts.pop(None, None)
         layout = layouts.most_common(1)[0][0]
         assert layout is not None
-        angle_file, time_file = (None, None) if correction is None else files_of(correction)
-        times = None if time_file is None else read_times(time_file)
+        angle_file, times = (None, None) if correction is None else read_unit(correction)
         self.layout, self.model = layout, model_of(layout, sensor, times.kind if times else "")
         self.sensor, self.title = self.model.sensor, self.model.title
         self.skipped, self.modes = skipped, set[str]()
@@ -189,7 +195,7 @@ class Decoder:
                                  "with --metadata FOLDER")
             if times.kind != self.model.times or times.us.shape[1] != self.model.lasers:
                 raise ValueError(f"the firing times in {self.source} are not those of a {self.title}")
-            if self.model.times == "loops" and self.layout.flags & SELF_DEFINED:
+            if self.model.times == "loops" and (self.layout.flags & SELF_DEFINED or len(times.us) != 2):
                 raise ValueError(f"packets of a {self.title} whose channels the user has chosen are not decoded")
             return times.us * 1e-6
         name, step = self.model.like
@@ -200,7 +206,7 @@ class Decoder:
         return self.layout.protocol == PANDAR128 and bool(np.median(packets["tail"]["operation"]) > 0)
 
     def _states(self, packets: Packets, groups: int) -> npt.NDArray[np.intp]:
-        """(n, groups), in which of the states of the firing times a firing is; -1 where no such state is known."""
+        """(n, groups), in which state of the firing times a firing is; -1: an unknown one, -2: of another mode."""
         n, block = len(packets), np.arange(groups) * (self.layout.blocks // groups)
         count = len(self._fires)
         if self.model.times == "loops":
@@ -213,7 +219,7 @@ class Decoder:
         state += first[:, None]
         # Modes but the first have two states.
         known = (first >= 0)[:, None] & (state < np.where(first > 0, first + 2, 4)[:, None]) & (state < count)
-        return np.where(known & ((first > 0)[:, None] == self._slow), state, -1)
+        return np.where(known, np.where((first > 0)[:, None] == self._slow, state, -2), -1)
 
     def _angles(self, correction: pathlib.Path | None) -> tuple[Floats, Floats]:
         """Elevations and azimuth offsets (counter-clockwise), rad, of the channels."""
@@ -248,7 +254,8 @@ class Decoder:
             sound &= (blocks["flag"] == 0xEEFF).all(axis=2)
         self.skipped["blocks with a wrong flag or azimuth"] += int((~sound).sum()) * returns
         states = self._states(packets, groups)
-        self.skipped["blocks in an unknown mode of firing"] += int((sound & (states < 0)).sum()) * returns
+        self.skipped["blocks in an unknown mode of firing"] += int((sound & (states == -1)).sum()) * returns
+        self.skipped["blocks in another mode of firing than the first ones"] += int((sound & (states == -2)).sum()) * returns
         sound &= states >= 0
         if self.stamped:
             stamp_s = self._stamps(packets)
@@ -265,8 +272,14 @@ class Decoder:
             azimuth += _START_DEG
         rate, turn = self._rotation.advance(azimuth, time_s)
         lasers, state = blocks["lasers"][sound][:, :, self._order], states[sound]
+        counts = lasers["range"].astype(np.uint16)
+        unknown = np.zeros((len(counts), counts.shape[2]), dtype=bool)
+        if model.has_codes:
+            unknown = ((counts == 1) | (counts == 2)).any(axis=1) & self._fires[state]
+            self.skipped["beams that end too close to be measured"] += int(unknown.sum())
+            counts[counts <= 3] = 0
         if model.times:
-            idle = (lasers["range"] > 0) & ~self._fires[state][:, None, :]
+            idle = (counts > 0) & ~self._fires[state][:, None, :]
             self.skipped["returns of channels that do not fire then"] += int(idle.sum())
-        return Firings(azimuth + rate * (model.azimuth_us * 1e-6), rate, time_s, turn, state,
-                       lasers["range"].astype(np.uint16), lasers["intensity"].astype(np.uint8))
+        return Firings(azimuth + rate * (model.azimuth_us * 1e-6), rate, time_s, turn, state, unknown, counts,
+                       lasers["intensity"].astype(np.uint8))

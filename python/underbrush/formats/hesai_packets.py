@@ -14,19 +14,21 @@ import numpy.typing as npt
 
 #: Return modes of the tail: number of returns of a firing, and words for it.
 MODES = {
-    0x33: (1, "first return"), 0x34: (1, "second return"), 0x37: (1, "strongest return"), 0x38: (1, "last return"),
+    0x33: (1, "first return"), 0x34: (1, "second return"), 0x35: (1, "third return"), 0x36: (1, "fourth return"), 0x37: (1, "strongest return"), 0x38: (1, "last return"),
     0x39: (2, "dual return"), 0x3A: (2, "dual return"), 0x3B: (2, "dual return"), 0x3C: (2, "dual return"),
     0x3D: (3, "triple return"), 0x3E: (2, "dual return")}
 
 _SEQUENCE, _INERTIAL, _SAFETY, _SIGNATURE = 1, 2, 4, 8  #: Flags of the header.
-_UNIT_BYTES = (0x10, 0x20, 0x40)  #: Flags of the header: each adds a byte to a return of protocol 1.4.
+#: Flags of the header: each adds a byte to a return of protocol 1.4, and the first one to one of protocol 3.2.
+_UNIT_BYTES = (0x10, 0x20, 0x40)
 SELF_DEFINED = 0x40  #: Flag of the header of protocol 3.2: the user has chosen which channels fire.
 PANDAR40, PANDAR64 = (0, 0), (0, 1)  #: Protocols that have no number: packets without a header, and with a short one.
 XT, AT128, QT64, QT128, PANDAR128 = (6, 1), (4, 3), (3, 1), (3, 2), (1, 4)
 #: Version of the protocol -> length of the tail and places in it of return mode, date and microseconds.
 _TAILS = {PANDAR40: (22, 14, 16, 10), PANDAR64: (22, 14, 16, 10), XT: (24, 10, 13, 19), AT128: (32, 24, 26, 20),
           QT64: (24, 16, 18, 12), QT128: (26, 12, 15, 21), PANDAR128: (26, 12, 15, 21)}
-_SAFE = (QT128, PANDAR128)  #: Check sums and, by a flag, the state of the sensor stand before and behind their tails.
+#: Protocols with a check sum before the tail and one behind it; a flag adds 17 bytes of functional safety before it.
+_SAFE = (QT128, PANDAR128)
 #: Protocols with other bodies, which are recognised in order to name them.
 _OTHERS = {(1, 8), (4, 7), (7, 2)}
 _PANDAR40_BYTES = 10 * (4 + 40 * 3) + 22

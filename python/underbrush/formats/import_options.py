@@ -41,8 +41,8 @@ def parser() -> Parser:
     p.add_argument("--frame", default="", metavar="NAME", help="frame of the poses (bags)")
     p.add_argument("--clock", default="stamp", choices=("stamp", "bag"), help="clock of the scans (bags)")
     p.add_argument("--metadata", metavar="FILE",
-                   help="the sensor's metadata (Ouster JSON, Velodyne YAML or XML, Hesai CSV or DAT, or a folder of both "
-                        "Hesai CSV)")
+                   help="the sensor's metadata (Ouster JSON, Velodyne YAML or XML, Hesai CSV or DAT, or a folder with a "
+                        "Hesai's two CSV files, of angles and of firing times)")
     p.add_argument("--sensor", default="", metavar="SENSOR", help="the sensor; default: what the recording says")
     p.add_argument("--infer-misses", default="", metavar="SENSOR",
                    help="infer misses from this sensor's scan pattern, for point clouds of bags that drop them")

@@ -58,8 +58,9 @@ class PacketRecording:
         """Opens the capture and finds its sensor.
 
         `metadata` is the JSON file of an Ouster (default: FILE.json or FILE_0.json beside the capture), the calibration
-        of a Velodyne (XML of VeloView or YAML of the ROS driver), or the angle correction of a Hesai (CSV, or DAT of an AT128). `sensor` is
-        a name of the catalogue, for sensors whose packets do not tell their model. `stream` is 'ADDRESS:PORT',
+        of a Velodyne (XML of VeloView or YAML of the ROS driver), or the angle correction of a Hesai (CSV, DAT of an
+        AT128, or a folder with the files of angles and of firing times). `sensor` is a name of the catalogue, for
+        sensors whose packets do not tell their model. `stream` is 'ADDRESS:PORT',
         'ADDRESS' or 'PORT', where several sensors are in one capture. `clock` 'sensor' takes the sensor's stamps as
         they are, 'capture' takes their intervals only and begins with the time of capture, and 'auto' chooses as
         `Clock` says. Raises OSError, or FormatError with one line that says what is missing.
@@ -162,7 +163,7 @@ class PacketRecording:
     def _probe(self, capture: Capture) -> None:
         """Reads the beginning of the file: finds the sensor's stream, metadata and reference of time."""
         unread = self._read_metadata()
-        size = self._ouster.packet.itemsize if self._ouster is not None else 0
+        size = self._ouster.packet.itemsize if self._ouster is not None else None
         streams: dict[_Stream, list[Datagram]] = {}
         makers: dict[_Stream, collections.Counter[Maker]] = {}
         lengths: collections.Counter[tuple[int, int]] = collections.Counter()

@@ -117,7 +117,7 @@ def _with_formats(path: pathlib.Path, kind: str) -> Iterator[pathlib.Path]:
         yield path
         return
     told = (path / "metadata.yaml").read_text(encoding="utf-8", errors="replace")
-    storage = "mcap" if any(path.glob("*.mcap*")) else "sqlite3"
+    storage = "mcap" if re.search(r"\.mcap(\.zstd)?[\"']? *$", told, re.MULTILINE) else "sqlite3"
     named = told
     for key, name in (("storage_identifier", storage), ("serialization_format", "cdr")):
         named = re.sub(rf"""^([ -]*{key}:) *(?:""|'')? *$""", rf"\1 {name}", named, flags=re.MULTILINE)
@@ -142,9 +142,14 @@ def opened(path: pathlib.Path, kind: str) -> Iterator[Any]:
         with guarded(path, "open"):
             place = stack.enter_context(_with_formats(path, kind))
             reader = getattr(need("rosbags." + module), name)(place)
-            reader.open()
+            try:
+                reader.open()
+            except Exception as error:  # noqa: BLE001  Whatever a library raises may name the folder of links.
+                if place == path:
+                    raise
+                raise FormatError(path, "open", " ".join(str(error).replace(str(place), str(path)).split())) from error
             stack.callback(reader.close)
-            if place != path:  # The files themselves may not name the format of the messages, either.
+            if kind == "folder":  # The files themselves may not name the format of the messages.
                 told = {(c.topic, c.msgtype): c.ext for c in reader.connections}
                 for storage in reader.storages:
                     storage.connections = [c._replace(ext=told.get((c.topic, c.msgtype), c.ext))

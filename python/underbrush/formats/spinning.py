@@ -1,4 +1,4 @@
-"""What decoders of spinning sensors share: firings of all their lasers, cut into revolutions, become scans."""
+"""What decoders of spinning sensors share: firings of their lasers, cut into revolutions, become scans."""
 from __future__ import annotations
 
 import dataclasses
@@ -19,13 +19,14 @@ _LONGEST_S = 0.4  #: A scan of a sensor that stands still ends then; the slowest
 
 @dataclasses.dataclass
 class Firings:
-    """Firings of all lasers, in order of time."""
+    """Firings, in order of time. In each of them, some or all lasers fire."""
 
     azimuth_deg: Floats  #: (n,), clockwise from forward, at the start.
     rate_deg_s: Floats  #: (n,)
     time_s: Floats  #: (n,)
     turn: Floats  #: (n,), number of the revolution.
-    state: npt.NDArray[np.intp]  #: (n,), which of the firing times hold.
+    state: npt.NDArray[np.intp]  #: (n,), the row of the firing times that holds.
+    unknown: npt.NDArray[np.bool_]  #: (n, lasers), beams of whose end nothing is known; they are left out.
     range: Counts  #: (n, returns, lasers), in steps of the range; 0 is a miss.
     intensity: npt.NDArray[np.uint8]  #: (n, returns, lasers)
 
@@ -52,14 +53,14 @@ class Angles(Protocol):
 
 
 class Revolutions:
-    """Turns firings into scans, one a revolution; rows are in order of firing, then of lasers."""
+    """Turns firings into scans, one a revolution; rows are in order of firing, then of the lasers' times."""
 
     def __init__(self, calibration: Angles, ring: npt.NDArray[np.int64], laser_s: Floats, period_s: float,
                  resolution_m: float) -> None:
-        """`ring` is (lasers,), and `laser_s` (lasers,) or (states, lasers): the time after the start of a firing.
+        """`ring` is (lasers,), and `laser_s` (lasers,) or (states, lasers): the time (s) after the start of a firing.
 
-        A firing takes `period_s`. In a state in which its time is NaN, a laser does not fire. `resolution_m` is the step
-        of the range.
+        A firing takes `period_s`. In a state in which its time is NaN, a laser does not fire, and what firings have of
+        it has no meaning. `resolution_m` is the step of the range.
         """
         self._calibration, self._ring, self._laser_s = calibration, ring.astype(np.uint16), np.atleast_2d(laser_s)
         self._period_s, self._resolution_m = period_s, resolution_m
@@ -76,17 +77,17 @@ class Revolutions:
                 held = sum(len(pending) for pending in self._pending)
                 if (last.turn[-1] != part.turn[0] or last.range.shape[1] != part.range.shape[1]
                         or held * self._period_s > _LONGEST_S):
-                    yield self._scan()
+                    yield from self._scan()
             if len(part):
                 self._pending.append(part)
 
     def finish(self) -> Iterator[Scan]:
         """Yields the last scan."""
         if self._pending:
-            yield self._scan()
+            yield from self._scan()
 
-    def _scan(self) -> Scan:
-        """The pending firings as a scan."""
+    def _scan(self) -> Iterator[Scan]:
+        """Yields the pending firings as a scan, unless no laser of them has measured anything."""
         parts, self._pending = self._pending, []
         joined = Firings(*(np.concatenate([getattr(part, field.name) for part in parts])
                            for field in dataclasses.fields(Firings)))
@@ -97,10 +98,13 @@ class Revolutions:
         counts, shades = (values.swapaxes(0, 1).reshape(values.shape[1], -1)
                           for values in (joined.range, joined.intensity))
         laser = np.tile(np.arange(len(self._ring)), len(joined))
-        if len(self._laser_s) > 1:  # The lasers that fire, and their order, differ from firing to firing.
+        if len(self._laser_s) > 1 or not np.isfinite(self._laser_s).all() or joined.unknown.any():
+            # The lasers that count, and their order, differ from firing to firing.
             first = np.arange(len(joined))[:, None] * len(self._ring)
-            order = (first + np.argsort(self._laser_s, axis=1, kind="stable")[joined.state])[
-                np.isfinite(np.sort(self._laser_s, axis=1))[joined.state]]
+            order = (first + np.argsort(self._laser_s, axis=1, kind="stable")[joined.state]).ravel()
+            order = order[np.isfinite(time_s[order]) & ~joined.unknown.ravel()[order]]
+            if not len(order):
+                return
             time_s, direction, laser = time_s[order], direction[order], laser[order]
             counts, shades, origin = counts[:, order], shades[:, order], None if origin is None else origin[order]
         rows = rows_of(counts)
@@ -114,6 +118,6 @@ class Revolutions:
         intensity = np.where(count > 0, shades[rows.which, rows.beam], 0).astype(np.float32)
         time_s = time_s[rows.beam]
         self._scans += 1
-        return Scan(number=self._scans - 1, time_s=float(time_s[0]), direction=direction, range_m=range_m,
-                    origin=origin, beam_time_s=time_s, intensity=intensity, ring=self._ring[laser], echo=rows.echo,
-                    echoes=rows.echoes)
+        yield Scan(number=self._scans - 1, time_s=float(time_s[0]), direction=direction, range_m=range_m,
+                   origin=origin, beam_time_s=time_s, intensity=intensity, ring=self._ring[laser], echo=rows.echo,
+                   echoes=rows.echoes)

@@ -240,7 +240,8 @@ class Decoder:
             return column.reshape(-1, returns, lasers)
 
         half_s = np.arange(halves) * self._period_s
+        n = len(turn) * halves
         return Firings(
             (azimuth[sound][:, None] + rate[:, None] * half_s).ravel(), np.repeat(rate, halves),
-            (time_s[:, None] + half_s).ravel(), np.repeat(turn, halves), np.zeros(len(turn) * halves, dtype=np.intp),
-            values("range").astype(np.uint16), values("intensity").astype(np.uint8))
+            (time_s[:, None] + half_s).ravel(), np.repeat(turn, halves), np.zeros(n, dtype=np.intp),
+            np.zeros((n, lasers), dtype=bool), values("range").astype(np.uint16), values("intensity").astype(np.uint8))
