@@ -159,7 +159,7 @@ def test_a_folder_with_both_files_is_asked_for(tmp_path: pathlib.Path) -> None:
     for given in (None, unit / "angles.csv"):
         with pytest.raises(FormatError, match="a Hesai QT128 fires some of its channels at a time.*--metadata FOLDER"):
             PacketRecording(path, given)
-    with pytest.raises(FileNotFoundError):
+    with pytest.raises(FormatError, match="absent: no such file or folder"):
         PacketRecording(path, tmp_path / "absent")
     with pytest.raises(FormatError, match="the firing times in .* are not those of a Hesai QT128"):
         PacketRecording(path, folder(tmp_path / "other", KINDS["ot128, standard"]))

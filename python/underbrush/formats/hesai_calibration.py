@@ -139,7 +139,8 @@ def _checked(times: Floats) -> Floats:
 
 def read_unit(path: pathlib.Path) -> tuple[pathlib.Path, FiringTimes | None]:
     """The file of angles and the firing times: `path` and None, or those of a folder. Raises OSError, FormatError."""
-    path.stat()  # A path that does not exist is no file of angles alone.
+    if not path.exists():
+        raise FormatError(path, "", "no such file or folder")
     if not path.is_dir():
         return path, None
     angles: list[pathlib.Path] = []
