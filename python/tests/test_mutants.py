@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import bz2
+import functools
 import pathlib
 import subprocess
 import sys
@@ -42,21 +43,25 @@ print(read_all(pathlib.Path(sys.argv[1])))
 """
 
 
+@functools.cache
+def three_gigabytes(algorithm: str) -> bytes:
+    """As many zeros, compressed."""
+    zeros, count = bytes(1 << 24), 192
+    if algorithm == "bz2":
+        return bz2.compress(zeros) * count
+    if algorithm == "zstd":
+        one = pytest.importorskip("zstandard").ZstdCompressor(write_content_size=False).compressobj()
+        return b"".join(one.compress(zeros) for _ in range(count)) + one.flush()
+    frame = pytest.importorskip("lz4.frame").LZ4FrameCompressor()
+    return frame.begin() + b"".join(frame.compress(zeros) for _ in range(count)) + frame.flush()
+
+
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs RLIMIT_AS")
 @pytest.mark.parametrize("told", [1000, 3 << 30])
 @pytest.mark.parametrize("compression", ["zstd of MCAP", "lz4 of MCAP", "lz4", "bz2"])
 def test_chunks_that_unpack_to_three_gigabytes_are_refused(compression: str, told: int, tmp_path: pathlib.Path) -> None:
     pytest.importorskip("rosbags", reason="rosbags is not installed: pip install 'underbrush[formats]'")
-    zeros, count = bytes(1 << 24), 192
-    if compression.startswith("zstd"):
-        zstandard = pytest.importorskip("zstandard")
-        one = zstandard.ZstdCompressor(write_content_size=False).compressobj()
-        packed = b"".join(one.compress(zeros) for _ in range(count)) + one.flush()
-    elif compression == "bz2":
-        packed = bz2.compress(zeros) * count
-    else:
-        frame = pytest.importorskip("lz4.frame").LZ4FrameCompressor()
-        packed = frame.begin() + b"".join(frame.compress(zeros) for _ in range(count)) + frame.flush()
+    packed = three_gigabytes(compression.split()[0])
     if compression.endswith("MCAP"):
         path = tmp_path / "zeros.mcap"
         path.write_bytes(zeros_in_mcap(packed, compression.split()[0], told))

@@ -44,7 +44,8 @@ def without_times(report: dict[str, Any]) -> dict[str, Any]:
     ("train.ply", ["--sensor", "velodyne-vlp16", "--fitter", "hierarchical", "--seed", "2"],
      {"sensor": "velodyne-vlp16", "fitter": "hierarchical", "seed": 2}),
     ("echoes.ply", ["--echoes", "all"], {"echoes": "all"}),
-    ("echoes.ply", ["--fitter", "surface", "--surface-carve"], {"fitter": "surface", "surface_carve": True}),
+    ("echoes.ply", ["--fitter", "surface", "--surface-cell", "0.5", "--surface-carve"],
+     {"fitter": "surface", "surface_cell": 0.5, "surface_carve": True}),
 ])
 def test_fit(run: Callable[..., str], folder: pathlib.Path, tmp_path: pathlib.Path, log: str, words: list[str],
              options: dict[str, object]) -> None:

@@ -18,7 +18,7 @@ TYPES = {"double": "d", "float": "f", "uchar": "B", "uint8": "B", "ushort": "H",
 def coarse_sensor(file):
     """Writes the data file of a VLP-16 with few columns and two revolutions a second."""
     text = (SHARE / "sensors/velodyne-vlp16.yaml").read_text()
-    for key, value in (("name", "coarse"), ("rate_hz", 2), ("firing_period_us", 1000)):
+    for key, value in (("name", "coarse"), ("rate_hz", 2), ("firing_period_us", 2000)):
         text = re.sub(rf"^{key}: .*", f"{key}: {value}", text, flags=re.MULTILINE)
     pathlib.Path(file).write_text(text)
 
