@@ -12,7 +12,7 @@ namespace underbrush::bench {
 /// The options of a benchmark.
 class CommandLine {
  public:
-  /// What an option sets; a `bool` is that of a flag.
+  /// The variable that an option sets; a `bool` is that of a flag.
   using Value = std::variant<bool*, int*, size_t*, double*, std::string*, std::vector<size_t>*,
                              std::vector<std::string>*>;
 

@@ -1,5 +1,5 @@
-// What the benchmarks of tracing share: rays in the orders of the contestants, and rates that are
-// measured in turns.
+// The parts that the benchmarks of tracing share: rays in the orders of the contestants, and rates
+// that are measured in turns.
 #pragma once
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -29,7 +29,7 @@ class Contest {
   void add(std::string name, std::function<void()> f);
   Json rates(size_t rays, int rounds) const;
 
-  /// Returns the instructions a ray of each way, in one run of one thread; null where the machine
+  /// Returns the instructions per ray of each way, in one run of one thread; null where the machine
   /// does not count them.
   Json instructions(size_t rays) const;
 
@@ -41,7 +41,7 @@ class Contest {
 /// Returns the largest of the rates whose names begin so.
 double fastest(const Json& rates, const char* prefix);
 
-/// Prints what `machine()` says.
+/// Prints the result of `machine()`.
 void print_machine(const Json& machine);
 
 /// Returns the instruction sets of this machine.
@@ -50,7 +50,7 @@ std::vector<trace::Isa> instruction_sets();
 void trace_all(const trace::World& world, const Rays& rays, std::vector<trace::Intersection>& met);
 
 /// Traces rays through a model `passes` times with one thread, for bench/gates.py and profilers,
-/// and prints how fast.
+/// and prints the rate.
 int trace_passes(int passes, const elements::Model& model, std::vector<Ray> rays,
                  const std::string& isa);
 

@@ -12,7 +12,7 @@
 
 namespace underbrush::bench {
 
-/// How rays are handed over: singly, or 8 or 16 neighbours together.
+/// The way in which rays are handed over: singly, or 8 or 16 neighbours together.
 enum class EmbreeMode { kSingle = 1, kPacket8 = 8, kPacket16 = 16 };
 
 class Embree {
@@ -24,7 +24,7 @@ class Embree {
     scene_ = scene_of(mesh, quality);
   }
 
-  /// Builds each mesh once and places it as the instances say; their models count the meshes.
+  /// Builds each mesh once and places it by the instances; their models count the meshes.
   Embree(std::span<const elements::TriangleMesh> meshes,
          std::span<const elements::Instance> instances, const char* config = nullptr)
       : Embree(config) {

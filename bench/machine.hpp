@@ -1,4 +1,4 @@
-// What a benchmark says of the machine that it runs on, so that rates of two machines can be
+// The facts about the machine that a benchmark runs on, so that rates of two machines can be
 // compared.
 #pragma once
 #include <nlohmann/json.hpp>

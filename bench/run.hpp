@@ -8,8 +8,8 @@ namespace underbrush::bench {
 
 using Json = nlohmann::ordered_json;
 
-/// The time of all cores that the process has had. Unlike the time of a clock it does not count
-/// what other processes do.
+/// The time of all cores that the process has had. Unlike the time of a clock it does not count the
+/// work of other processes.
 double cpu_seconds();
 
 /// Reads the options, measures, and prints the results.

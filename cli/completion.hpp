@@ -10,7 +10,7 @@ namespace underbrush::app {
 
 class Program;
 
-/// What the values of options may be besides a file, by the long name of an option without dashes.
+/// The suggested values of options besides files, by the long name of an option without dashes.
 using Suggestions = std::map<std::string, std::vector<std::string>>;
 
 /// Returns the completion script of a program for `shell` ("bash", "zsh" or "fish"). It completes

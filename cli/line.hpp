@@ -29,7 +29,7 @@ inline std::string lines_of_set(const std::filesystem::path& folder) {
          line("to look at", "{}", (folder / "index.html").string());
 }
 
-/// Returns a line that says how many were left out; none for 0.
+/// Returns a line with the number of things that were left out; none for 0.
 inline std::string left_out(size_t n, std::string_view what) {
   return n ? line("left out", "{} {}", n, what) : "";
 }

@@ -8,8 +8,8 @@
 
 namespace underbrush::app {
 
-/// Holds a number against the limits of its option; what is no number is left to the conversion.
-/// CLI11 takes a negative number for a large one where the field has no sign.
+/// Checks a number against the limits of its option; other words are left to the conversion. CLI11
+/// takes a negative number for a large one where the field has no sign.
 template <class T>
 CLI::Validator within_limits(Option<T> row, bool is_unsigned = false) {
   if (is_unsigned) row.least = std::max(row.least, 0.0);

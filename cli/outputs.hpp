@@ -1,5 +1,5 @@
 /// \file
-/// What a verb writes must not destroy what it reads, nor what others wrote.
+/// The check that the outputs of a verb destroy neither its inputs nor the files of others.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -21,7 +21,7 @@ bool is_ours(const std::filesystem::path& file);
 
 /// Throws `std::invalid_argument` if two outputs are the same file or one lies in another, and if
 /// an output is one of the `inputs` or would replace one; throws `IoError` if an output would
-/// replace a file that is not ours, unless `force`. Files are compared by where they are, through
+/// replace a file that is not ours, unless `force`. Files are compared by their places, through
 /// links, not by name.
 void check_outputs(const std::vector<Output>& outputs,
                    const std::vector<std::filesystem::path>& inputs, bool force);

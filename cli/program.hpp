@@ -31,7 +31,7 @@ class Program {
   int parse();
   /// Throws `std::invalid_argument` where the first word is no verb.
   void check_verb() const;
-  /// Returns what to say of the first option that the verb does not have; "" if it has all.
+  /// Returns the error on the first option that the verb does not have; "" if it has all.
   std::string unknown_option() const;
 
   CLI::App app_;

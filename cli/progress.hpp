@@ -33,7 +33,7 @@ class StageProgress {
 };
 
 /// Returns a function that shows the progress of one call, to which it is passed as a temporary;
-/// with the call the line ends. `what` is what the line begins with.
+/// with the call the line ends. `what` is the beginning of the line.
 template <class Line, class... What>
 auto shown(What... what) {
   return [line = std::make_shared<Line>(what...)](auto... done) { (*line)(done...); };

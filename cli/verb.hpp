@@ -1,5 +1,5 @@
 /// \file
-/// What all verbs of the command line share: options, results and provenance.
+/// The parts that all verbs of the command line share: options, results and provenance.
 #pragma once
 #include <CLI/CLI.hpp>
 #include <cstdint>
@@ -42,9 +42,9 @@ class Verb {
                        files);
   }
   /// Marks an option as the name of an output. The provenance leaves it out, so that equal results
-  /// are equal files wherever they are written. Before the verb runs, `check_outputs` holds all
-  /// outputs against each other and against the files and folders that the other options name.
-  /// `files` are what is written into a folder that is not replaced as a whole.
+  /// are equal files wherever they are written. Before the verb runs, `check_outputs` compares all
+  /// outputs with each other and with the files and folders that the other options name. `files`
+  /// are those written into a folder that is not replaced as a whole.
   template <class T>
   CLI::Option* mark_output(const std::string& name, CLI::Option* option, T& place,
                            const std::vector<std::string>& files = {}) {
@@ -65,7 +65,7 @@ class Verb {
   /// Puts the options that are added next into a group that only `--help-all` shows.
   void begin_rare_group(const std::string& title = "More options");
 
-  /// Returns the first word of the command line that is not an option: what the verb works on.
+  /// Returns the first word of the command line that is not an option: the verb's main input.
   std::string main_input() const;
   /// Throws as `check_outputs` does.
   void check_all_outputs() const;
@@ -73,7 +73,7 @@ class Verb {
   /// `results` to the destination of `--json`.
   void report(const Json& results, const std::string& table) const;
   /// Returns the provenance of an output: a JSON object with program version, command line (without
-  /// what does not change the result), seed, and a hash (XXH3, 128 bits) of every input file,
+  /// options that do not change the result), seed, and a hash (XXH3, 128 bits) of every input file,
   /// including the `--config` file. Empty paths are left out.
   std::string provenance(const std::vector<std::filesystem::path>& inputs) const;
 
@@ -93,7 +93,7 @@ class Verb {
 };
 
 /// Adds the verb `name` to the program, listed under `stage`. `run` is called after parsing;
-/// `Program::run` turns what it throws into one line and an exit code. `example` ends the verb's
+/// `Program::run` turns its exceptions into one line and an exit code. `example` ends the verb's
 /// `--help`.
 std::shared_ptr<Verb> add_verb(Program& program, const std::string& stage, const std::string& name,
                                const std::string& summary, const std::string& example,

@@ -1,5 +1,5 @@
 /// \file
-/// What verbs say about the light of models and the intensities that these answer.
+/// The texts of verbs on the light of models, and on the intensities of returns from them.
 #pragma once
 #include <span>
 #include <string>
@@ -14,9 +14,9 @@ namespace underbrush::report {
 /// channels; empty without light.
 std::string text_of_light(const elements::Model& model);
 
-/// Says in one line where intensities come from and what is assumed of them: from the light that
-/// the models have learnt, or from radiometry and materials if `instrument`. `asking` is the sensor
-/// of the beams, with its wavelength where it is known. Empty where no model has light.
+/// Returns one line on the source of intensities and the assumptions about them: from the light
+/// that the models have learnt, or from radiometry and materials if `instrument`. `asking` is the
+/// sensor of the beams, with its wavelength where it is known. Empty where no model has light.
 std::string intensities_in_words(std::span<const elements::Model> models, const LogInfo& asking,
                                  bool instrument);
 

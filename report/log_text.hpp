@@ -1,5 +1,5 @@
 /// \file
-/// What `info` tells of a log.
+/// The report of `info` on a log.
 #pragma once
 #include <nlohmann/json.hpp>
 #include <string>
@@ -13,7 +13,7 @@ using Json = nlohmann::ordered_json;
 
 /// Returns the contents as JSON; `input` is the log, read to its end.
 Json json_of_log(const io::Input& input, const pipeline::LogContents& contents);
-/// Returns the contents as a table; `j` is what `json_of_log` returned.
+/// Returns the contents as a table; `j` is the result of `json_of_log`.
 std::string table_of_log(const std::string& file, const LogInfo& info,
                          const pipeline::LogContents& contents, const Json& j);
 

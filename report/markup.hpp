@@ -5,7 +5,7 @@
 
 namespace underbrush::report {
 
-/// Text as HTML and SVG show it.
+/// Text in which the special characters of HTML and SVG are escaped.
 std::string escaped(const std::string& text);
 
 /// The least of 1, 2 and 5 times a power of ten that is not below `x` > 0.

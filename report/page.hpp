@@ -12,8 +12,8 @@ namespace underbrush::report {
 /// 1234567 as "1 234 567", with thin spaces that do not break.
 std::string grouped(size_t n);
 
-/// Metrics as rows, models and baselines as columns, the best of each row in bold; below,
-/// what the baselines are.
+/// Metrics as rows, models and baselines as columns, the best of each row in bold; below it, a
+/// description of the baselines.
 std::string headline_table(const Comparison& input);
 /// Hits and misses, real by simulated, of each model.
 std::string confusion_tables(const Comparison& input);

@@ -8,10 +8,10 @@
 
 namespace underbrush::report {
 
-/// What a report is made of. A page of several comparisons begins with a table of contents.
+/// The content of a report. A page of several comparisons begins with a table of contents.
 struct ReportInput {
   std::string title;  ///< Title of the page.
-  std::string lead;   ///< The line below the title; if empty, what the first real log holds.
+  std::string lead;   ///< The line below the title; if empty, the contents of the first real log.
   std::vector<Comparison> comparisons;
 };
 

@@ -21,18 +21,18 @@ struct Survey {
   /// World z (m) at the ends of the height colours, which follow the root of the height between
   /// them.
   double low_m = 0, high_m = 1;
-  std::vector<io::Image> by_height;   ///< The real log's, then each simulated log's.
-  std::vector<io::Image> by_error;    ///< Each simulated log's.
+  std::vector<io::Image> by_height;   ///< Pictures of the real log, then of each simulated log.
+  std::vector<io::Image> by_error;    ///< A picture of each simulated log.
   uint32_t scan = 0;                  ///< The scan of the range images, in the middle of the log.
   bool scan_in_sensor_frame = false;  ///< Whether azimuths are in the sensor's frame, else in the
                                       ///< world's.
   double far_m = 1;                   ///< m; the range at the end of the colours.
   std::vector<ScanBeam> scan_beams;
   double box_m = 1;                ///< Side of the cube that the 3-D view shows.
-  bool box_holds_all = false;      ///< All but the outermost points; else what is near the sensor.
-  std::vector<ViewPoints> points;  ///< Real, then each simulated.
+  bool box_holds_all = false;      ///< All but the outermost points; else those near the sensor.
+  std::vector<ViewPoints> points;  ///< Points of the real log, then of each simulated log.
 
-  /// The cube's floor lies so far below `low_m`.
+  /// The distance of the cube's floor below `low_m`, m.
   double floor_m() const { return box_m / 20; }
 };
 

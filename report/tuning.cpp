@@ -172,15 +172,15 @@ void write_config(const fs::path& path, const Tuning& t) {
   });
 }
 
-std::string sentence_on(const optimize::Slice& slice, const optimize::SliceOptions& cut,
+std::string sentence_on(const optimize::SliceFacts& slice, const optimize::SliceOptions& cut,
                         bool scene) {
-  const size_t judge = slice.validation.size();
+  const size_t judge = slice.judging_beams;
   const std::string scans =
       fmt::format("{} scans from {:g} to {:g} s: ", slice.scans, cut.from_s, cut.to_s);
   if (scene) {
-    return scans + fmt::format("{} beams judge the composed scene.", slice.fit.size() + judge);
+    return scans + fmt::format("{} beams judge the composed scene.", slice.fitted_beams + judge);
   }
-  return scans + fmt::format("{} beams fitted, {} beams ({}) judge.", slice.fit.size(), judge,
+  return scans + fmt::format("{} beams fitted, {} beams ({}) judge.", slice.fitted_beams, judge,
                              slice.by_scan ? fmt::format("every {}th scan", cut.one_in)
                                            : fmt::format("one group of beams in {}", cut.one_in));
 }

@@ -28,7 +28,7 @@ struct Tuning {
 
 /// Returns the sentence on a slice for `Tuning::what`. With `scene`, a scene is scored with all
 /// beams of the slice.
-std::string sentence_on(const optimize::Slice& slice, const optimize::SliceOptions& cut,
+std::string sentence_on(const optimize::SliceFacts& slice, const optimize::SliceOptions& cut,
                         bool scene);
 /// Returns the search as JSON.
 nlohmann::ordered_json json_of(const Tuning& tuning);

@@ -40,9 +40,9 @@ class WaveformOutputs {
   void write(const sensor::Sensor& sensor);
 
  private:
-  std::vector<std::string> pictures_;  ///< Tables and plots.
+  std::vector<std::string> pictures_;  ///< Files of tables and plots.
   std::vector<std::unique_ptr<pipeline::WaveformFile>> binary_;
-  std::vector<simulate::BeamWaveform> kept_;  ///< For tables and plots.
+  std::vector<simulate::BeamWaveform> kept_;  ///< Waveforms for tables and plots.
   size_t most_ = 0, size_ = 0;
 };
 

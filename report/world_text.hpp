@@ -1,5 +1,5 @@
 /// \file
-/// What `info` and `simulate` tell of a world in a third-party format.
+/// The reports of `info` and `simulate` on a world in a third-party format.
 #pragma once
 #include <nlohmann/json.hpp>
 #include <string>
@@ -11,7 +11,7 @@ namespace underbrush::report {
 
 using Json = nlohmann::ordered_json;
 
-/// What was read, and the classes and materials of the scene.
+/// The report of the reader, and the classes and materials of the scene.
 struct WorldSummary {
   const worlds::WorldReport& read;
   const elements::SceneInfo& info;

@@ -31,9 +31,9 @@ struct AnalyticScan {
   size_t shots = 0;
 };
 
-/// Scans a solid with one echo for each shot. The range is the mean over what the footprint meets,
-/// weighted by its energy, as a pulse longer than the target's depth measures it; normal noise is
-/// added, and the range is rounded.
+/// Scans a solid with one echo for each shot. The range is the mean over the surfaces in the
+/// footprint, weighted by its energy, as a pulse longer than the target's depth measures it; normal
+/// noise is added, and the range is rounded.
 AnalyticScan analytic_scan(const Solid& solid, const Pose& target_from_scanner,
                            const AnalyticScanOptions& options = {});
 

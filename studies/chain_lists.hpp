@@ -10,11 +10,11 @@
 
 namespace underbrush::studies {
 
-/// What a drive is simulated in.
+/// The world in which a drive is simulated.
 struct ChainWorld {
-  elements::Model world;  ///< What stands still.
+  elements::Model world;  ///< The static world.
   std::vector<actors::Track> tracks;
-  std::vector<elements::Model> models;  ///< One for each track, in the frame of its box.
+  std::vector<elements::Model> models;  ///< The model of each track, in the frame of its box.
 };
 
 /// Lists of the tracking model and of the real pipeline, one for each scan.

@@ -1,6 +1,6 @@
 /// \file
-/// How far a model may be trusted: which scans of a drive train and which test where the sensor
-/// goes on, or comes back.
+/// The scans for tests of extrapolation: those of a drive that train a model, and those that test
+/// it where the sensor goes on, or comes back.
 #pragma once
 #include <map>
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace underbrush::studies {
 
-/// The scans of a drive in order, and how far the sensor had gone at each (m).
+/// The scans of a drive in order, and the distance that the sensor had gone at each (m).
 struct Path {
   std::vector<uint32_t> scan;
   std::vector<double> at_m;

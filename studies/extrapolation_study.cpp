@@ -20,7 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr uint16_t kEveryRing = 4;
-constexpr double kVehicleM = 2;  // m; nearer returns of a drive are of the vehicle.
 constexpr const char* kSources[] = {"default", "mesh", "mesh, carved", "look-up", "always hit"};
 
 /// Returns the beams of a log for which `wanted(chunk, i)` holds.

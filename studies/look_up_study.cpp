@@ -31,6 +31,7 @@ elements::Model fit_half(const BeamLog& train, std::string_view fitter, uint64_t
   fit::FitOptions options;
   options.fitter = fitter;
   options.seed = seed;
+  if (train.info.scans.size() > 1) options.min_range_m = kVehicleM;
   MemorySource source(train);
   return pipeline::fit_model({source}, options).model;
 }

@@ -1,5 +1,5 @@
-/// The parts of the study of [goodin24]: how finely a plant must be modelled for its simulated
-/// cloud to look real.
+/// The parts of the study of [goodin24]: the fineness that a plant's model needs for a realistic
+/// simulated cloud.
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -25,7 +25,7 @@ std::vector<SweepPlant> sweep_plants(bool quick, uint64_t seed);
 /// folder.
 std::vector<SweepPlant> given_plants(const std::filesystem::path& folder);
 
-/// How a vehicle approaches a plant, and how well its scans are registered.
+/// The approach of a vehicle to a plant, and the registration of its scans.
 struct ApproachOptions {
   double tilt_rad = 0.026;    ///< Amplitude of pitch and roll, at about 1 Hz.
   double heave_m = 0.03;      ///< Amplitude of the vertical motion.
@@ -46,7 +46,7 @@ inline constexpr ApproachOptions kSmooth{0, 0, 0, 0};
 /// taken.
 BeamLog approach_beams(const test_site::PlantMesh& plant, bool quick,
                        const ApproachOptions& options);
-/// How the beams of an approach are simulated.
+/// The simulation of the beams of an approach.
 struct RangingOptions {
   std::optional<double> sigma_m;  ///< Standard deviation of the range noise; none: the sensor's.
   int sub_rays = 9;
@@ -64,12 +64,12 @@ struct PlantFigures {
   size_t elements = 0;  ///< Number of triangles or ellipsoids.
   size_t bytes = 0;     ///< Size of the vertices and triangles, or of the ellipsoids.
   bool crude = false;
-  metrics::LeafInclination leaves;     ///< With exact poses, which a simulator knows.
+  metrics::LeafInclination leaves;     ///< With exact poses, as in a simulator.
   metrics::LeafInclination displaced;  ///< With errors of registration.
 };
 /// Scores a plant by a scan of it.
 PlantFigures figures_of(const SweepPlant& plant, const BeamLog& scan, uint64_t seed);
-/// Fits ellipsoids to `scan` and scores what they return for the same beams.
+/// Fits ellipsoids to `scan` and scores their returns for the same beams.
 PlantFigures ellipsoids_of(const BeamLog& scan, uint64_t seed);
 
 /// Returns points drawn uniformly from the surface, which show the plant without a lidar.

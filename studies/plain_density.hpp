@@ -8,8 +8,8 @@
 
 namespace underbrush::studies {
 
-/// What the beams of a log did in one cell. Path lengths are free paths, up to the hit, each times
-/// the projection G of its beam (m).
+/// The sums over the beams of a log in one cell. Path lengths are free paths, up to the hit, each
+/// times the projection G of its beam (m).
 struct CellSums {
   size_t beams = 0;  ///< Number of beams that reached the cell.
   size_t hits = 0;

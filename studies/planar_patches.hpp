@@ -19,9 +19,9 @@ struct PlanarPatch {
 /// Options of `planar_patches`.
 struct PatchOptions {
   int neighbours = 15;
-  double most_angle_rad = 0.2;    ///< Between a point's normal and the plane's.
-  double most_distance_m = 0.06;  ///< From the plane.
-  double most_gap_m = 0.4;        ///< To the next point of the patch.
+  double most_angle_rad = 0.2;    ///< Angle between a point's normal and the plane's.
+  double most_distance_m = 0.06;  ///< Distance from the plane.
+  double most_gap_m = 0.4;        ///< Distance to the next point of the patch.
   size_t least_points = 300;
   size_t most_patches = 9;
 };

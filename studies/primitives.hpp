@@ -44,7 +44,7 @@ struct CutPrimitives {
   size_t shared_plants = 0;  ///< Primitives that share ground with an object of the test site.
 };
 /// Extracts the primitives of the training log from the model that was fitted to it. Where both
-/// logs are of one site, what the test saw is left out (`SitePair::one_site`).
+/// logs are of one site, those near the test are left out (`SitePair::one_site`).
 CutPrimitives cut_primitives(const SitePair& pair, const elements::Model& trained,
                              const AnnotatedSite& site,
                              const primitives::ExtractOptions& options = {});
@@ -69,7 +69,7 @@ struct PairOutcome {
   std::string name;
   /// Rows of the table: primitives, the sets of meshes, geospecific, replay, always hit.
   std::vector<std::string> rows;
-  std::map<std::string, metrics::Score> score;  ///< By row.
+  std::map<std::string, metrics::Score> score;  ///< The scores by row.
   size_t train_beams = 0, test_beams = 0;
   size_t primitives = 0, seen_by_both = 0, shared_plants = 0, objects = 0, left_out = 0;
   std::vector<double> box_distance_m;  ///< m; one for each row that is composed.
@@ -82,8 +82,8 @@ struct PairOutcome {
 /// each of these and scores them.
 PairOutcome run_pair(const SitePair& pair, const PairOptions& options);
 
-/// Answers each beam of `test` with what the scan of `train` whose sensor stood nearest saw in the
-/// same ring, at the nearest azimuth in the sensor's frame.
+/// Answers each beam of `test` with the measurement of the scan of `train` whose sensor stood
+/// nearest in the same ring, at the nearest azimuth in the sensor's frame.
 BeamLog replay(const BeamLog& train, const BeamLog& test);
 
 /// Adds the columns `class` and `instance` as `segment` does.
@@ -117,9 +117,9 @@ struct Spread {
 /// Returns the spread of some values.
 Spread spread_of(std::span<const double> values);
 
-/// Returns by how much the primitives beat the first set of meshes, against the paper's margins
-/// (0.07 m of cloud error, 0.21 m of packet error, 0.03 of F1). The difference counts on average
-/// or, if `confident`, at the lower end of the 95 % interval of its mean.
+/// Returns the checks that the primitives beat the first set of meshes by the paper's margins (0.07
+/// m of cloud error, 0.21 m of packet error, 0.03 of F1). The difference counts on average or, if
+/// `confident`, at the lower end of the 95 % interval of its mean.
 std::vector<Check> primitive_checks(const std::string& where, std::span<const PairOutcome> outcomes,
                                     bool confident);
 

@@ -14,7 +14,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double kTrainM = 10, kTestM = 5, kApartM = 100;
-constexpr double kVehicleM = 2;  // m; nearer returns are of the vehicle that drives.
 
 /// Scans a generated site along its track; every `every`-th scan is taken, with its true labels.
 BeamLog drive_through(uint64_t seed, bool quick) {

@@ -24,7 +24,7 @@ Similarity align(std::span<const Vec3> from, std::span<const Vec3> to, bool rigi
 struct IcpOptions {
   int most_iterations = 60;
   double most_distance_m = 0.5;  ///< Pairs further apart do not count.
-  int neighbours = 20;           ///< For the normals of the cloud.
+  int neighbours = 20;           ///< Neighbours for the normals of the cloud.
 };
 
 /// The result of `icp`.
@@ -33,7 +33,7 @@ struct IcpResult {
   double rms_m = 0;  ///< m; root mean square of the pairs' distances along the normals, at the end.
   double overlap = 0;  ///< Share of points with a pair.
   int iterations = 0;
-  bool converged = false;  ///< The last step moved less than 1 µm and 1 µrad.
+  bool converged = false;  ///< Whether the last step moved less than 1 µm and 1 µrad.
 };
 
 /// Returns the rigid transform that lays `from` onto the surface through `to`, starting from

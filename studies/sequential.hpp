@@ -12,7 +12,7 @@
 
 namespace underbrush::studies {
 
-/// A list that stands against the real one.
+/// Lists that are compared with the real ones.
 struct ListCandidate {
   std::string name;
   std::vector<perception::ObjectList> lists;
@@ -50,8 +50,8 @@ struct Absence {
 Absence absence_of(const std::vector<perception::ObjectList>& lists,
                    const std::vector<perception::ObjectList>& truth, uint64_t id);
 
-/// Options of the lists of a study: boxes as measured, because those are what a sensor's software
-/// reports.
+/// Options of the lists of a study: boxes as measured, because the software of a sensor reports
+/// those.
 perception::PerceptionSetup measured_setup(bool is_model);
 
 /// Adds the generated intersection to a study.

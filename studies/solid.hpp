@@ -34,10 +34,10 @@ void add_solid(Solid& solid, const Solid& other);
 
 /// Returns the miniature of [kim12] fig. 4: a cube of 1 m with the centre of its bottom at the
 /// origin, and two cubes of 0.2 m on the ground that touch the middles of its sides towards −x and
-/// −y. A scanner on the diagonal before (−1, −1) sees nine faces, `miniature_patches`.
+/// −y. Nine faces, `miniature_patches`, are visible from the diagonal before (−1, −1).
 Solid miniature();
 /// Returns the faces of the nine patches in the paper's order: top, left side and right side, as
-/// the scanner sees them, of the large cube and of each small one.
+/// seen from the scanner, of the large cube and of each small one.
 std::vector<size_t> miniature_patches();
 
 /// Triangles of all faces, and the face that each belongs to.

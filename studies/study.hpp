@@ -38,17 +38,20 @@ bool holds(std::span<const Check> checks);
 /// Returns "holds", or "falls short: " and each check that does not hold.
 std::string verdict(std::span<const Check> checks);
 
+/// The returns of a drive that are nearer than this are of the vehicle itself, m.
+inline constexpr double kVehicleM = 2;
+
 /// Returns the folders of `data` that hold the halves of a log, train.ply and test.ply, in order of
 /// name.
 std::vector<std::filesystem::path> halved_logs(const std::filesystem::path& data);
 
 /// The results of a study.
 struct StudyResult {
-  std::string lead;  ///< A sentence that says what is compared with what.
+  std::string lead;  ///< A sentence on what the study compares.
   Json figures = Json::object();
   std::vector<Check> checks;
   std::vector<report::Table> tables;
-  std::vector<std::string> notes;  ///< What was left out, and why.
+  std::vector<std::string> notes;  ///< The parts that were left out, and why.
   std::string pictures;            ///< HTML for the report.
   std::vector<std::filesystem::path> inputs;
 };

@@ -13,7 +13,7 @@ namespace underbrush::studies {
 struct StaticTarget {
   std::string name;
   test_site::PlantMesh geometry;
-  double centre_z_m = 1;       ///< m; height of the middle of what is scanned.
+  double centre_z_m = 1;       ///< m; height of the middle of the scanned part.
   double half_height_m = 0.5;  ///< m; the target is scanned up to this far above and below it.
   bool porous = true;
 };

@@ -173,7 +173,6 @@ BeamLog rings(const std::filesystem::path& file, int parity) {
 /// Simulates the odd rings of real logs with a model learnt from the even ones, and with one learnt
 /// from the odd ones: other elevations, but the same sensor. This is not part of the verdict.
 void add_interlaced_logs(const StudyRun& run, StudyResult& result) {
-  constexpr double kVehicleM = 2;  // m; nearer returns are of the vehicle that drives.
   report::Table table = empty_table(
       "Every second ring of real logs",
       "No two sensors' logs of one place were given: rings of odd number stand for a second sensor "
@@ -231,7 +230,6 @@ StudyResult transfer(const StudyRun& run, const ModelChange& change) {
                         logs[name].test.size()));
     fit::FitOptions options;
     options.seed = run.seed;
-    pipeline::set_recorder(s, options);
     MemorySource train(logs[name].train);
     models[name] = pipeline::fit_model({train}, options).model;
     if (change) change(name, models[name]);

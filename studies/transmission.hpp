@@ -1,5 +1,5 @@
 /// \file
-/// Whether matter learnt from a log is true: what a model says of a turbid slab, beside the slab.
+/// The test of matter that is learnt from a log: a model of a turbid slab beside the slab.
 #pragma once
 #include <array>
 #include <functional>
@@ -17,7 +17,7 @@ inline constexpr int kFirstInner = 11, kEndInner = 29;
 /// The densities, cells and transmissions of a slab by one source, or the true ones.
 struct SlabAnswer {
   double area_density = 0;                         ///< m²/m³; mean of the inner cells.
-  std::array<double, SlabCells::kHeight> layer{};  ///< The same by layer, upwards.
+  std::array<double, SlabCells::kHeight> layer{};  ///< Means by layer, upwards.
   /// Share of the inner cells reached by at least 50 beams whose 95 % interval holds the density;
   /// NaN for the densities of the interval itself.
   double covered = 0;

@@ -1,6 +1,6 @@
 /// \file
-/// A slab of leaves whose density is known, above flat ground: what beams measure of it, and what
-/// they must measure on average.
+/// A slab of leaves whose density is known, above flat ground: the measurements of beams in it, and
+/// their expected values.
 #pragma once
 #include <optional>
 
@@ -8,7 +8,7 @@
 
 namespace underbrush::studies {
 
-/// How the leaves of a slab are inclined.
+/// The inclinations of the leaves of a slab.
 enum class LeafAngles {
   kSpherical,   ///< In all directions alike.
   kHorizontal,  ///< All leaves lie flat.
@@ -45,7 +45,7 @@ struct TurbidSlab {
   static constexpr double kLeafRadiusM = 0.05;
   static constexpr double kNoiseM = 0.01;  ///< σ of the measured range, m.
 
-  /// Returns where a ray crosses the slab, if it does at all.
+  /// Returns the part of a ray inside the slab, if there is one.
   static std::optional<SlabCrossing> crossing(const Ray& ray);
   /// Returns the integral of the extinction over a part of a ray; the beam passes it with the
   /// probability e^−depth.
@@ -61,12 +61,12 @@ BeamLog measured(const TurbidSlab& slab, BeamLog beams, uint64_t seed);
 /// leaves only.
 double area_density_of_voxels(const TurbidSlab& slab);
 
-/// Five tripods, 1.5 m above the ground, within 7 m of the middle. Returns their beams as misses,
-/// in steps of `step_rad` from −50° of elevation to the zenith, a scan a tripod and a ring an
-/// elevation.
+/// Returns the beams of five tripods, 1.5 m above the ground, within 7 m of the middle, as misses,
+/// in steps of `step_rad` from −50° of elevation to the zenith, one scan per tripod and one ring
+/// per elevation.
 BeamLog tripod_beams(double step_rad);
 
-/// Where beams come from whose transmission is asked.
+/// The origins and directions of the beams whose transmission is computed.
 enum class SlabView {
   kTripods,   ///< The tripods, in random directions from 10° of elevation on.
   kOverhead,  ///< Straight down from 30 m, within 8 m of the middle along x and y.

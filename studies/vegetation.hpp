@@ -21,7 +21,7 @@ struct Contender {
   bool once = false;
 };
 
-/// The name of the contender that the verdict judges: what `simulate` answers with its defaults.
+/// The name of the contender that the verdict is about: `simulate` with its defaults.
 inline constexpr const char* kDefault = "default";
 
 /// Returns the contenders for the static targets, of which the first is `kDefault`. The surface and
@@ -45,7 +45,7 @@ struct TargetScores {
   std::string target;
   bool porous = true;
   size_t directions = 0, train_beams = 0, test_beams = 0;
-  double lookup = 0;  ///< Distance of the training fifth itself, as a table of what was measured.
+  double lookup = 0;  ///< Distance of the training fifth itself, as a table of measurements.
   std::map<std::string, StaticScore> scores;  ///< By contender.
 };
 

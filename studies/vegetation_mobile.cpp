@@ -21,7 +21,6 @@ struct MobileScore {
 };
 
 MobileScore score_log(Contender c, const fs::path& folder, uint64_t seed) {
-  constexpr double kVehicleM = 2;  // m; nearer returns are of the vehicle that drives.
   MobileScore out;
   io::LogReader train(folder / "train.ply"), test(folder / "test.ply");
   if (train.info().scans.size() > 1) c.fit.min_range_m = kVehicleM;

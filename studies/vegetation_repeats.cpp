@@ -24,7 +24,6 @@ namespace underbrush::studies {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kVehicleM = 2;    // m; nearer returns are of the vehicle.
 constexpr double kStandsM = 0.05;  // m from scan to scan.
 constexpr size_t kLeastScans = 4;
 constexpr double kUpright = 0.5;

@@ -13,10 +13,10 @@ namespace underbrush::studies {
 inline constexpr const char* kTargets[] = {"trees", "hedges", "walls", "all"};
 inline constexpr size_t kTargetCount = 4;
 
-/// Returns for each target which beams of a scan belong to it. `label` is the class of each beam.
-/// Walls are upright planes; trees and hedges (shrubs) are what `segment` calls so besides. A beam
-/// belongs to a target if most returns of the seven beams about it in its ring do, so that beams
-/// that pass through a target belong to it too.
+/// Returns for each target whether each beam of a scan belongs to it. `label` is the class of each
+/// beam. Walls are upright planes; trees and hedges (shrubs) are other beams of these classes by
+/// `segment`. A beam belongs to a target if most returns of the seven beams about it in its ring
+/// do, so that beams that pass through a target belong to it too.
 std::vector<std::vector<bool>> targets_of(const BeamLog& scan, const std::vector<uint8_t>& label);
 
 /// Adds the distances of all fitters on the logs of `run.data` whose sensor stands by its poses

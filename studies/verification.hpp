@@ -28,8 +28,8 @@ struct PatchFigures {
   Plane plane;
   HeightPlane height;  ///< z over x to the right and y forward, as in [kim12] table 3.
   Distances real, simulated;
-  /// The planes of the points whose whole footprint lies on the face, and how many there are; none
-  /// if one of the clouds has fewer than 30. At a grazing face the footprint is long.
+  /// The planes of the points whose whole footprint lies on the face, and their numbers; none if
+  /// one of the clouds has fewer than 30. At a grazing face the footprint is long.
   Plane inner_real, inner_simulated;
   size_t inner_real_points = 0, inner_simulated_points = 0;
 };
@@ -64,13 +64,13 @@ struct PairFigures {
   double conjugate_rms_m = 0;        ///< Root mean square of the residuals of the conjugate points.
   double corners_against_icp_m = 0;  ///< Distance by which the two registrations differ at the
                                      ///< corners.
-  Registered by_icp;                 ///< By iterated closest points.
-  Registered by_corners;  ///< By the conjugate points alone, as in [kim12] §4.3. With fewer than
-                          ///< three of them it is `by_icp`.
+  Registered by_icp;                 ///< Comparison by iterated closest points.
+  Registered by_corners;  ///< Comparison by the conjugate points alone, as in [kim12] §4.3. With
+                          ///< fewer than three of them it is `by_icp`.
 };
 
 /// Compares two clouds. The simulated cloud is registered to the real one by iterated closest
-/// points; what lies off the target is left out; both are segmented by `faces` of the solid; planes
+/// points; points off the target are left out; both are segmented by `faces` of the solid; planes
 /// are fitted to the patches, and the distances of both clouds from the real one's planes are
 /// measured. The corners of planes that both clouds have serve as conjugate points for the paper's
 /// registration, by which all is measured a second time. Throws `std::invalid_argument` where fewer
@@ -78,7 +78,7 @@ struct PairFigures {
 PairFigures compare(const Solid& solid, const std::vector<size_t>& faces, CloudPair pair,
                     double histogram_bin_m = 0.05);
 
-/// A fault of a scanner, to see whether the verdict catches it. The defaults are no fault.
+/// A fault of a scanner, to test whether the verdict catches it. The defaults are no fault.
 struct ScannerFault {
   double noise = 1;            ///< Factor of the standard deviation of the ranges.
   double bias_m = 0;           ///< Added to each range.
@@ -102,12 +102,12 @@ SimulatedScan simulated_scan(const Solid& solid, const Pose& target_from_scanner
 /// `raster_phase(scan)` steps.
 std::vector<Vec3> instrument_scan(const Solid& target, const Pose& target_from_scanner, int scan,
                                   uint64_t seed);
-/// Returns where within a step the raster of scan 0, 1, … begins. The phases are evenly spread; the
-/// first is (0, 0).
+/// Returns the place within a step at which the raster of scan 0, 1, … begins. The phases are
+/// evenly spread; the first is (0, 0).
 std::array<double, 2> raster_phase(int scan);
 
 /// Returns the pose of the scanner of [kim12]: 24.00 m before the middle of the miniature's front
-/// edge, at which it looks down at 10°.
+/// edge, at which it points down at 10°.
 Pose miniature_from_scanner();
 
 }  // namespace underbrush::studies

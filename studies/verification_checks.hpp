@@ -29,7 +29,7 @@ struct PlaneDifferences {
   double slope[2] = {0, 0};  ///< Along the two axes of the real plane.
 };
 /// Compares two planes. `allowance_m` is subtracted from the size of the offset before it is
-/// divided, and from that of a slope over the spread of the points: what a registration leaves.
+/// divided, and from that of a slope over the spread of the points: the error of a registration.
 PlaneDifferences plane_differences(const Plane& simulated, size_t simulated_points,
                                    const Plane& real, size_t real_points, double allowance_m);
 
@@ -57,8 +57,8 @@ struct NamedFault {
 /// Returns a fault of each kind: no noise, double noise, a bias of 1 cm, a tilted mirror.
 std::vector<NamedFault> faults();
 
-/// Adds to `table` what caught a fault, and to `result` the check that something did: a check that
-/// holds for the simulator without the fault (`sound`) and fails with it (`faulty`).
+/// Adds the checks that caught a fault to `table`, and to `result` the check that there is one: a
+/// check that holds for the simulator without the fault (`sound`) and fails with it (`faulty`).
 void add_fault(const std::string& place, const std::string& fault, std::span<const Check> sound,
                std::span<const Check> faulty, report::Table& table, StudyResult& result);
 

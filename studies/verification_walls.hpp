@@ -1,6 +1,6 @@
 /// \file
 /// Real walls in the study of [kim12]: planes of every other beam of a real scan answer the beams
-/// between them, so that neither poses nor what moved between scans have a part in it.
+/// between them, so that neither poses nor moving things have a part in it.
 #pragma once
 #include <array>
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace underbrush::studies {
 
-/// What answers the beams on a wall.
+/// The source of the answers to the beams on a wall.
 enum class WallSource {
   kFaces,      ///< The planes of the other beams, each with the spread of those beams about it.
   kDataSheet,  ///< The same planes, with the noise of the sensor's data sheet.
@@ -39,7 +39,7 @@ class WallScan {
   explicit WallScan(const BeamLog& scan);
 
   /// Answers the beams of the second half whose neighbours of the first half on both sides lie on
-  /// one wall, and compares them with what was measured, on each wall that keeps at least 50.
+  /// one wall, and compares them with the measurements, on each wall that keeps at least 50.
   std::vector<Wall> compare(WallSource source, const ScannerFault& fault, uint64_t seed) const;
 
  private:
@@ -57,7 +57,7 @@ class WallScan {
 struct Bounded {
   double mean = 0, low = 0, high = 0;
 };
-/// Returns the mean of one value a scan. Throws `std::invalid_argument` for fewer than two.
+/// Returns the mean of one value per scan. Throws `std::invalid_argument` for fewer than two.
 Bounded bounded(const std::vector<double>& values);
 
 /// The walls of several scans, simulated against measured.

@@ -23,7 +23,7 @@ struct Arguments {
 
 void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
-  app.add_option("LOG", a.log, "The log (ray cloud PLY)")->required();
+  app.add_option("LOG", a.log, "The log (.ply or .ublog)")->required();
   verb.output("-o,--output", a.output,
               "The folder of the actors; it is a scene in which every object moves")
       ->type_name("ACTORS");

@@ -24,7 +24,7 @@ struct Arguments {
 
 void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
-  app.add_option("LOG", a.log, "The log (ray cloud PLY, as import writes it)")->required();
+  app.add_option("LOG", a.log, "The log (.ply or .ublog, as import writes it)")->required();
   verb.output("-o,--output", a.output, "The model's folder")->required()->type_name("MODEL");
   CLI::Option* update =
       app.add_option("--update", a.update,

@@ -138,14 +138,15 @@ void add_import(Program& program) {
   auto a = std::make_shared<Arguments>();
   const auto verb =
       add_verb(program, "Logs", "import",
-               "Convert any supported log to a ray cloud PLY, with misses kept or inferred",
+               "Convert any supported log to a log of beams, with misses kept or inferred",
                "underbrush import drive/ --poses drive/poses_velo.txt --deskew velodyne-hdl64e \\\n"
                "    --elevation-offset-deg 0.205 --infer-misses velodyne-hdl64e -o log.ply",
                [a](const Verb& v) { run(v, *a); });
   verb->app
       .add_option("SOURCE", a->source, "The log: a file or folder; or a survey of HELIOS++ (.xml)")
       ->required();
-  verb->output("-o,--output", a->output, "The log as a ray cloud PLY; for a survey, a folder")
+  verb->output("-o,--output", a->output,
+               "The log, a ray cloud (.ply) or compact (.ublog); for a survey, a folder")
       ->required()
       ->type_name("LOG.ply");
   add_options(*verb, pipeline::import_options(), a->options);

@@ -238,9 +238,9 @@ void add_info(Program& program) {
   verb->app
       .add_option("--leaves", a->leaves,
                   "Print the distribution of leaf inclinations instead: mean and sigma of arccos "
-                  "n_z, and epsilon. vegetation = of the returns of plants 3 to 25 m away, which "
-                  "the labels of the log give, or else all returns that are not of the ground; all "
-                  "= of all points")
+                  "n_z, and epsilon. vegetation = use the returns of plants 3 to 25 m away (by the "
+                  "log's labels; without labels, all returns that are not ground); all = use all "
+                  "points")
       ->check(CLI::IsMember({"vegetation", "all"}));
 }
 

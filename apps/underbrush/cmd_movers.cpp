@@ -26,9 +26,9 @@ struct Arguments {
 
 void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
-  app.add_option("LOG", a.log, "The log (ray cloud PLY)")->required();
+  app.add_option("LOG", a.log, "The log (.ply or .ublog)")->required();
   verb.output("-o,--output", a.output,
-              "The log with the returns of moving objects marked (ray cloud PLY)")
+              "The log with the returns of moving objects marked (.ply or .ublog)")
       ->type_name("MARKED.ply");
   verb.output("--only", a.only, "The beams that met moving objects, as a log")
       ->type_name("MOVERS.ply");

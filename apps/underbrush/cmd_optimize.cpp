@@ -9,13 +9,10 @@
 #include "report/tuning.hpp"
 #include "stages.hpp"
 #include "underbrush/core/check.hpp"
-#include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/io/json_text.inl"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/optimize/checkpoint.hpp"
-#include "underbrush/optimize/fit_parameters.hpp"
-#include "underbrush/optimize/options.hpp"
 #include "underbrush/pipeline/compose_scene.hpp"
 #include "underbrush/pipeline/tune.hpp"
 #include "verbs.hpp"
@@ -63,19 +60,10 @@ void add_options(Verb& verb, Arguments& a) {
   a.fit_options = add_fit_options(verb, a.fit, kAllRare);
 }
 
-/// A search: the parameters that are tuned, their start, and the function that judges them.
-struct Problem {
+/// A search: what it minimises, and what is said of it.
+struct Search {
+  pipeline::TuningProblem problem;
   report::Tuning tuning;
-  std::vector<double> start;
-  std::function<optimize::Outcome(std::span<const double>)> objective;
-  std::vector<fs::path> inputs = {};  ///< Input files besides the log.
-  std::vector<std::string> warnings = {};
-
-  void take(pipeline::TuningProblem problem) {
-    tuning.parameters = std::move(problem.parameters);
-    start = std::move(problem.start);
-    objective = std::move(problem.objective);
-  }
 };
 
 Json given_options(const Arguments& a, const std::vector<optimize::Parameter>& tuned) {
@@ -91,38 +79,25 @@ Json given_options(const Arguments& a, const std::vector<optimize::Parameter>& t
   return out;
 }
 
-Problem fit_problem(const Arguments& a, const std::shared_ptr<const optimize::Slice>& slice) {
-  Problem p;
-  p.take(pipeline::tuned_fit(a.options.objective, slice, a.fit, a.options.tune));
-  p.tuning.fixed = given_options(a, p.tuning.parameters);
-  p.tuning.what = report::sentence_on(*slice, a.options.cut(), false);
-  return p;
-}
-
-Problem scene_problem(const Verb& verb, const Arguments& a, optimize::Slice slice) {
-  Problem p;
-  const auto in = std::make_shared<pipeline::SceneParts>();
-  in->annotation = primitives::read_annotation(a.annotation, a.allow_outside);
-  in->ground = elements::read_model(in->annotation.ground.lexically_normal());
-  pipeline::NamedSet named = pipeline::primitives_named(a.primitives, verb.seed);
-  in->primitives = std::move(named.set);
-  p.inputs = {a.annotation};
-  p.inputs.insert(p.inputs.end(), named.inputs.begin(), named.inputs.end());
-  p.warnings = std::move(named.warnings);
-  p.tuning.what = report::sentence_on(slice, a.options.cut(), true);
-  BeamLog beams = std::move(slice.fit);
-  beams.append(slice.validation, 0, slice.validation.size());
-  if (in->annotation.objects.empty()) {
-    throw FormatError(a.annotation, "", "no objects: there is no density to tune");
+Search search_of(const Arguments& a, BeamSource& log) {
+  const bool is_scene = !a.annotation.empty();
+  Search s;
+  if (is_scene) {
+    s.problem = pipeline::tuned_scene(
+        log, a.options,
+        pipeline::read_scene_parts(a.annotation, a.primitives, a.allow_outside, a.options.seed));
+  } else {
+    s.problem = pipeline::tuned_fit(log, a.options, a.fit);
   }
-  p.take(
-      pipeline::tuned_scene(a.options.objective, in, std::move(beams), verb.seed, a.options.tune));
-  p.tuning.densities = true;
-  return p;
+  s.tuning.parameters = s.problem.parameters;
+  s.tuning.what = report::sentence_on(s.problem.slice, a.options.cut(), is_scene);
+  s.tuning.densities = is_scene;
+  if (!is_scene) s.tuning.fixed = given_options(a, s.tuning.parameters);
+  return s;
 }
 
 /// Returns a text that identifies the search by all that determines it except its budget.
-std::string identity_of(const Verb& verb, const Arguments& a, const Problem& p) {
+std::string identity_of(const Verb& verb, const Arguments& a, const Search& s) {
   Json run;
   run["objective"] = a.options.objective;
   run["algorithm"] = a.options.search.algorithm;
@@ -130,12 +105,12 @@ std::string identity_of(const Verb& verb, const Arguments& a, const Problem& p) 
   run["slice"] = a.options.slice;
   run["validate"] = a.options.validate;
   run["seed"] = verb.seed;
-  for (size_t k = 0; k < p.start.size(); ++k) {
-    const optimize::Parameter& q = p.tuning.parameters[k];
-    run["parameters"].push_back({q.name, q.low, q.high, int(q.scale), p.start[k]});
+  for (size_t k = 0; k < s.problem.start.size(); ++k) {
+    const optimize::Parameter& q = s.problem.parameters[k];
+    run["parameters"].push_back({q.name, q.low, q.high, int(q.scale), s.problem.start[k]});
   }
-  run["fixed"] = p.tuning.fixed;
-  const Json origin = io::json_of_text(p.tuning.provenance);
+  run["fixed"] = s.tuning.fixed;
+  const Json origin = io::json_of_text(s.tuning.provenance);
   run["program"] = origin["program"];
   for (const auto& [file, hash] : origin["inputs"].items()) {
     if (!file.ends_with(".yaml")) run["inputs"].push_back(hash);
@@ -166,7 +141,7 @@ void run(const Verb& verb, Arguments& a) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   };
   a.fit.seed = a.options.seed = verb.seed;
-  const optimize::SliceOptions cut = a.options.cut();
+  a.options.cut();  // This throws for values out of range before anything is written.
   if (a.checkpoint.empty()) a.checkpoint = a.output + ".checkpoint";
   // A damaged checkpoint is bad input of --resume, before it is an output to protect.
   if (a.resume && fs::exists(a.checkpoint)) optimize::read_checkpoint(a.checkpoint);
@@ -174,25 +149,19 @@ void run(const Verb& verb, Arguments& a) {
   io::check_output(a.output);
   io::check_output(a.checkpoint);
   if (!a.report.empty()) report::check_report_output(a.report);
-  // This throws for unknown names before the log is read.
-  if (a.annotation.empty()) optimize::chosen_fit_parameters(a.fit, a.options.tune);
   io::LogReader reader(a.log);
-  optimize::Slice slice = optimize::take_slice(reader, cut);
-  Problem p = a.annotation.empty()
-                  ? fit_problem(a, std::make_shared<optimize::Slice>(std::move(slice)))
-                  : scene_problem(verb, a, std::move(slice));
-  report::Tuning& t = p.tuning;
+  Search s = search_of(a, reader);
+  report::Tuning& t = s.tuning;
   t.log = a.log;
   t.objective = a.options.objective;
   std::vector<fs::path> inputs{a.log};
-  inputs.insert(inputs.end(), p.inputs.begin(), p.inputs.end());
+  inputs.insert(inputs.end(), s.problem.inputs.begin(), s.problem.inputs.end());
   t.provenance = provenance(verb, inputs);
-  optimize::Checkpoint kept{identity_of(verb, a, p), false, {}};
+  optimize::Checkpoint kept{identity_of(verb, a, s), false, {}};
   const std::vector<optimize::Evaluation> past = past_of(a, kept.run);
   try {
-    t.evaluations = optimize::search(
-        t.parameters, p.start, a.options.search, p.objective, past,
-        [&](std::span<const optimize::Evaluation> so_far) {
+    t.evaluations = pipeline::tune(
+        s.problem, a.options, past, [&](std::span<const optimize::Evaluation> so_far) {
           kept.evaluations.assign(so_far.begin(), so_far.end());
           optimize::write_checkpoint(a.checkpoint, kept);
           std::cerr << fmt::format("[{:.1f} s] {}\n", seconds(),
@@ -207,12 +176,12 @@ void run(const Verb& verb, Arguments& a) {
   kept.finished = true;
   optimize::write_checkpoint(a.checkpoint, kept);
   Json j = report::json_of(t);
-  j["warnings"] = p.warnings;
+  j["warnings"] = s.problem.warnings;
   j["resumed_from"] = past.size();
   j["skipped"] = reader.skipped();
   j["seconds"] = seconds();
-  std::string text =
-      report::text_of(t) + text_of_warnings(p.warnings) + "  written     " + a.output + "\n";
+  std::string text = report::text_of(t) + text_of_warnings(s.problem.warnings) + "  written     " +
+                     a.output + "\n";
   if (!a.report.empty())
     text += "  report      " + report::write_tuning_report(a.report, t).string() + "\n";
   verb.report(j, text);

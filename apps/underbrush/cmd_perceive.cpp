@@ -26,7 +26,7 @@ struct Arguments {
 };
 
 void add_options(Verb& verb, Arguments& a) {
-  verb.app.add_option("LOG", a.log, "The log (ray cloud PLY)")->required();
+  verb.app.add_option("LOG", a.log, "The log (.ply or .ublog)")->required();
   const auto table = perception::perceive_options();
   app::add_options(verb, table.first(2), a.options);
   verb.output("-o,--output", a.output, "The lists of objects: .json, .osi (SensorData), or CSV")

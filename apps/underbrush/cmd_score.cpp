@@ -135,7 +135,7 @@ void add_score(Program& program) {
                "Compare simulated logs with the real one, beam by beam, or lists of objects",
                "underbrush score real.ply sim.ply --model model/ --json - --report report/\n"
                "  underbrush score tripod.ply other-tripod.ply --protocol clouds\n"
-               "  underbrush score real.ply hybrid.ply mesh.ply --name default --name mesh\n"
+               "  underbrush score real.ply default.ply mesh.ply --name default --name mesh\n"
                "  underbrush score real.json sim.json --truth truth.json",
                [a](const Verb& v) { run(v, *a); });
   add_options(*verb, *a);

@@ -90,7 +90,7 @@ void add_segment(Program& program) {
                "  underbrush segment log.ply --labels edited.ply -o labelled.ply\n"
                "  underbrush segment log.ply --ground-method spherical_variance --json -",
                [a](const Verb& v) { run(v, *a); });
-  verb->app.add_option("LOG", a->log, "The log (ray cloud PLY, as import writes it)")->required();
+  verb->app.add_option("LOG", a->log, "The log (.ply or .ublog, as import writes it)")->required();
   verb->output("-o,--output", a->output,
                "The log with the columns class and instance; columns of these names that it has "
                "already are kept as given_class and given_instance, for comparison")

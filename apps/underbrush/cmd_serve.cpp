@@ -65,8 +65,8 @@ void add_serve(Program& program) {
   app.add_option(
          "PATH", a->paths,
          "Logs, scores (score --json), folders of models, scenes, worlds of regions or sets of "
-         "primitives, or folders of these, and a list of edits of actors. A world is read as a "
-         "whole; no other file is read")
+         "primitives, or folders of these, and a list of edits of actors. A world of regions is "
+         "read completely. Files that are not named here are not read")
       ->required();
   verb->not_of_result(app.add_option("--port", a->port, "Port of this machine; 0 = a free one")
                           ->check(CLI::Range(0, 65535))

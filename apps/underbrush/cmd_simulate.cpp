@@ -15,6 +15,7 @@
 #include "underbrush/io/export.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/io/poses.hpp"
+#include "underbrush/pipeline/requested_beams.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 #include "underbrush/regions/world_folder.hpp"
 #include "verbs.hpp"
@@ -97,39 +98,23 @@ pipeline::World world_of(const Arguments& a) {
   return world;
 }
 
-/// The beams to answer, and where the vehicle or sensor was.
-struct Beams {
-  std::unique_ptr<BeamSource> source;
-  Trajectory path;
-  std::vector<sensor::Sensor> rig;  ///< The sensors of a rig; none for others.
-};
-
-Beams beams_of(const Arguments& a) {
-  if (!a.like.empty())
-    return {std::make_unique<io::BeamReader>(a.like, pipeline::kSimulatedBeams), {}, {}};
+pipeline::RequestedBeams beams_of(const Arguments& a) {
+  if (!a.like.empty()) {
+    std::optional<sensor::Sensor> instrument;
+    if (!a.sensor.empty()) instrument = sensor::load(a.sensor);
+    return {std::make_unique<io::BeamReader>(a.like, pipeline::kSimulatedBeams), a.like,
+            std::move(instrument)};
+  }
   require(!a.trajectory.empty() && a.sensor.empty() == !a.rig.empty(),
           "simulate: give --like LOG, or --sensor NAME or --rig FILE with --trajectory POSES");
   const Trajectory path = io::read_trajectory(a.trajectory);
   if (path.empty()) throw FormatError(a.trajectory, "", "holds no pose");
   try {
-    if (!a.rig.empty()) {
-      auto rig = pipeline::rig_beams(perception::load_rig(a.rig), path);
-      std::vector<sensor::Sensor> sensors = rig->sensors();
-      return {std::move(rig), path, std::move(sensors)};
-    }
-    auto beams = std::make_unique<pipeline::SensorBeams>(sensor::load(a.sensor), path);
-    Trajectory whole = beams->path();
-    return {std::move(beams), std::move(whole), {}};
+    if (!a.rig.empty()) return {perception::load_rig(a.rig), path};
+    return {sensor::load(a.sensor), path};
   } catch (const std::invalid_argument& e) {
     throw FormatError(a.trajectory, "", e.what());
   }
-}
-
-pipeline::Simulation simulation_of(const Arguments& a, const pipeline::TracedWorld& world,
-                                   const Beams& beams) {
-  if (!beams.rig.empty()) return {world, a.options, beams.rig};
-  if (a.sensor.empty()) return {world, a.options, pipeline::sensor_of(a.like, *beams.source)};
-  return {world, a.options, [&](const char*) { return sensor::load(a.sensor); }};
 }
 
 std::vector<std::filesystem::path> inputs_of(const Arguments& a) {
@@ -270,22 +255,22 @@ void run(const Verb& verb, Arguments& a) {
   a.options.seed = verb.seed;
   a.options.check();
   const pipeline::TracedWorld traced(world_of(a), pipeline::matter_of(a.options));
-  const Beams beams = beams_of(a);
-  pipeline::Simulation simulation = simulation_of(a, traced, beams);
+  const pipeline::RequestedBeams beams = beams_of(a);
+  pipeline::Simulation simulation = beams.simulation(traced, a.options);
   const std::string origin = provenance(verb, inputs_of(a));
   const auto write = [&](BeamSource& log) {
     if (a.files.profile.empty()) return io::export_log(a.output, log, "", origin);
     io::export_driver_layout(a.output, log, io::driver_layout_from_name(a.files.profile),
-                             beams.path, origin);
+                             beams.path(), origin);
   };
   Progress progress("simulate");
   pipeline::SimulateCounts counts =
-      pipeline::simulate_log(simulation, *beams.source, write, std::ref(progress));
-  if (std::string note = text_of_other_sensor(a, beams.source->info()); !note.empty())
+      pipeline::simulate_log(simulation, beams.source(), write, std::ref(progress));
+  if (std::string note = text_of_other_sensor(a, beams.source().info()); !note.empty())
     counts.warnings.push_back(std::move(note));
   waveforms.write(simulation.sensor());
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-  report(verb, a, {simulation, counts, beams.source->info(), seconds, waveforms.size()},
+  report(verb, a, {simulation, counts, beams.source().info(), seconds, waveforms.size()},
          report::WorldSummary{traced.own()->read, traced.own()->info});
 }
 

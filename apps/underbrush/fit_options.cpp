@@ -12,7 +12,8 @@ CLI::Option* add_sensor_option(CLI::App& app, fit::FitOptions& fit) {
       .add_option_function<std::string>(
           "--sensor",
           [&fit](const std::string& name) { pipeline::set_recorder(sensor::load(name), fit); },
-          "The sensor that recorded the log; hierarchical removes its footprint from ellipsoids")
+          "The sensor of the log, if the log does not name it; mixture rounds then remove its "
+          "footprint")
       ->type_name("SENSOR");
 }
 

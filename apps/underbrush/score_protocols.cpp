@@ -2,13 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "underbrush/core/check.hpp"
-#include "underbrush/io/json_text.inl"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/metrics/range_image.hpp"
 #include "underbrush/metrics/repeats.hpp"
+#include "underbrush/pipeline/score_json.inl"
 
 namespace underbrush::app {
 namespace {
@@ -17,40 +15,33 @@ using metrics::ImageScores;
 using metrics::ProtocolScores;
 using metrics::Repeats;
 
-/// A score of a protocol: its key in JSON, its name and its digits in the text.
+/// A score of a protocol: its name and its digits in the text.
 template <class Scores>
 struct Row {
-  const char* key;
   const char* name;
   double Scores::*field;
   int digits;
 };
 
-constexpr Row<ImageScores> kImageRows[] = {
-    {"chamfer_m2", "Chamfer distance, m²", &ImageScores::chamfer_m2, 4},
-    {"f_score", "F score", &ImageScores::f_score, 4},
-    {"depth_rmse_m", "depth RMSE, m", &ImageScores::depth_rmse_m, 3},
-    {"depth_median_m", "depth MedAE, m", &ImageScores::depth_median_m, 4},
-    {"depth_ssim", "depth SSIM", &ImageScores::depth_ssim, 4},
-    {"depth_psnr", "depth PSNR, dB", &ImageScores::depth_psnr, 2},
-    {"intensity_rmse", "intensity RMSE", &ImageScores::intensity_rmse, 4},
-    {"drop_rmse", "ray-drop RMSE", &ImageScores::drop_rmse, 4},
-    {"drop_accuracy", "ray-drop accuracy", &ImageScores::drop_accuracy, 4},
-    {"drop_f1", "ray-drop F1", &ImageScores::drop_f1, 4}};
+constexpr Row<ImageScores> kImageRows[] = {{"Chamfer distance, m²", &ImageScores::chamfer_m2, 4},
+                                           {"F score", &ImageScores::f_score, 4},
+                                           {"depth RMSE, m", &ImageScores::depth_rmse_m, 3},
+                                           {"depth MedAE, m", &ImageScores::depth_median_m, 4},
+                                           {"depth SSIM", &ImageScores::depth_ssim, 4},
+                                           {"depth PSNR, dB", &ImageScores::depth_psnr, 2},
+                                           {"intensity RMSE", &ImageScores::intensity_rmse, 4},
+                                           {"ray-drop RMSE", &ImageScores::drop_rmse, 4},
+                                           {"ray-drop accuracy", &ImageScores::drop_accuracy, 4},
+                                           {"ray-drop F1", &ImageScores::drop_f1, 4}};
 
 constexpr Row<Repeats> kRepeatRows[] = {
-    {"real_difference_m", "real difference, m", &Repeats::real_difference_m, 4},
-    {"difference_m", "simulated difference, m", &Repeats::difference_m, 4},
-    {"real_far_difference_m", "real, half a log apart", &Repeats::real_far_difference_m, 4},
-    {"far_difference_m", "simulated, the same", &Repeats::far_difference_m, 4},
-    {"distance", "distance", &Repeats::distance, 4},
-    {"floor", "scan against scan", &Repeats::floor, 4},
-    {"same_scans", "distance, same scans", &Repeats::same_scans, 4}};
-
-template <class Scores, size_t n>
-void add(const Row<Scores> (&rows)[n], const Scores& scores, Json& j) {
-  for (const Row<Scores>& row : rows) j[row.key] = io::finite_or_null(scores.*row.field);
-}
+    {"real difference, m", &Repeats::real_difference_m, 4},
+    {"simulated difference, m", &Repeats::difference_m, 4},
+    {"real, half a log apart", &Repeats::real_far_difference_m, 4},
+    {"simulated, the same", &Repeats::far_difference_m, 4},
+    {"distance", &Repeats::distance, 4},
+    {"scan against scan", &Repeats::floor, 4},
+    {"distance, same scans", &Repeats::same_scans, 4}};
 
 template <class Scores, size_t n>
 std::string text_of(const Row<Scores> (&rows)[n], const std::vector<Scores>& scores) {
@@ -97,9 +88,7 @@ std::string score_images(const Compared& logs) {
   const std::vector<ProtocolScores> scores =
       logs.each([](BeamSource& a, BeamSource& b) { return metrics::range_image_scores(a, b); },
                 [](const ProtocolScores& s, Json& entry) {
-                  Json& j = entry["kitti360"];
-                  j = {{"scans", s.scans}, {"empty_share", s.empty_share}};
-                  add(kImageRows, s.mean, j);
+                  entry["kitti360"] = pipeline::json_of_range_images(s);
                 });
   std::vector<ImageScores> means;
   means.reserve(scores.size());
@@ -112,13 +101,9 @@ std::string score_images(const Compared& logs) {
 }
 
 std::string score_repeats(const Compared& logs) {
-  const std::vector<Repeats> scores =
-      logs.each([](BeamSource& a, BeamSource& b) { return metrics::repeats(a, b); },
-                [](const Repeats& s, Json& entry) {
-                  Json& j = entry["repeats"];
-                  j = {{"scans", s.scans}, {"directions", s.directions}, {"repeat", s.repeat()}};
-                  add(kRepeatRows, s, j);
-                });
+  const std::vector<Repeats> scores = logs.each(
+      [](BeamSource& a, BeamSource& b) { return metrics::repeats(a, b); },
+      [](const Repeats& s, Json& entry) { entry["repeats"] = pipeline::json_of_repeats(s); });
   std::string text = fmt::format(
       "repeats: {} scans; median difference of a direction's range between successive scans, and\n"
       "    Bhattacharyya distance over ring x bearing x range bins of 0.2 degrees x 5 cm\n",

@@ -20,7 +20,7 @@ struct ArrowColumn {
   std::string format;  ///< Arrow's letter of the type of a number, such as "g" for float64.
   int width = 0;       ///< Numbers of a row's list; 0 for rows that are numbers.
   const void* values = nullptr;
-  const void* valid = nullptr;  ///< A bit a row, 0 for a null; null where all rows have values.
+  const void* valid = nullptr;  ///< One bit per row, 0 for a null; null where all rows have values.
   int64_t nulls = 0;
 };
 

@@ -1,5 +1,5 @@
 /// \file
-/// Logs and models as Arrow's tables, and the methods by which other libraries ask for them.
+/// Logs and models as Arrow's tables, and the methods by which other libraries get them.
 #pragma once
 #include "arrow.hpp"
 #include "underbrush/core/beam_log.hpp"

@@ -22,5 +22,6 @@ void bind_actors(nanobind::module_& m);
 void bind_movers(nanobind::module_& m);
 void bind_log_verbs(nanobind::module_& m);
 void bind_optimize(nanobind::module_& m);
+void bind_place(nanobind::module_& m);
 
 }  // namespace underbrush::python

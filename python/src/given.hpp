@@ -14,13 +14,13 @@
 
 namespace underbrush::python {
 
-/// A model with the report of the fit that made it, and with what updates of it need.
+/// A model with the report of the fit that made it, and with the training for updates of it.
 struct ModelValue : elements::Model {
   fit::Training training = {};
   std::string report = "{}";  ///< JSON.
 };
 
-/// A scene with what its folder holds besides.
+/// A scene with the other contents of its folder.
 struct SceneValue {
   elements::Scene scene;
   elements::SceneInfo info;
@@ -35,7 +35,7 @@ using GivenWorld = std::variant<std::filesystem::path, const ModelValue*, const 
 /// `echoes` every row. A log in memory must outlive the source.
 std::unique_ptr<BeamSource> source_of(const GivenLog& log, bool echoes = false);
 
-/// Reads what is left of a source into one log.
+/// Reads the rest of a source into one log.
 BeamLog whole_log(BeamSource& source);
 
 /// Joins the chunks of a log, each of which is freed once it is copied.

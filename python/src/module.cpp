@@ -35,6 +35,7 @@ NB_MODULE(_core, m) {
   bind_actors(m);
   bind_log_verbs(m);
   bind_optimize(m);
+  bind_place(m);
   using namespace nanobind::literals;
   m.def("set_threads", &underbrush::set_threads, "threads"_a,
         "Limits the number of threads that this process uses from now on; 0 removes the limit.");

@@ -12,10 +12,7 @@
 #include "given.hpp"
 #include "option_table.hpp"
 #include "report/tuning.hpp"
-#include "underbrush/elements/model_file.hpp"
-#include "underbrush/optimize/fit_parameters.hpp"
 #include "underbrush/optimize/options.hpp"
-#include "underbrush/pipeline/compose_scene.hpp"
 #include "underbrush/pipeline/tune.hpp"
 #include "watched.hpp"
 
@@ -36,22 +33,25 @@ struct TuningValue : report::Tuning {
   }
 };
 
-TuningValue searched(const GivenLog& log, const TuneOptions& o, std::string what,
+TuningValue searched(const GivenLog& log, const TuneOptions& o, bool densities,
                      pipeline::TuningProblem problem, const Hook& hook) {
   TuningValue out;
   out.log = name_of(log);
   out.objective = o.objective;
-  out.what = std::move(what);
-  out.parameters = std::move(problem.parameters);
-  const auto judged = [&](std::span<const double> value) {
-    hook("optimize", out.evaluations.size(), o.search.budget);
-    return problem.objective(value);
+  out.what = report::sentence_on(problem.slice, o.cut(), densities);
+  out.densities = densities;
+  out.parameters = problem.parameters;
+  size_t done = 0;
+  problem.objective = [&hook, &o, &done,
+                       judge = std::move(problem.objective)](std::span<const double> value) {
+    hook("optimize", done, o.search.budget);
+    return judge(value);
   };
   try {
-    out.evaluations = optimize::search(out.parameters, problem.start, o.search, judged, {},
-                                       [&](std::span<const Evaluation> so_far) {
-                                         hook("optimize", so_far.size(), o.search.budget);
-                                       });
+    out.evaluations = pipeline::tune(problem, o, {}, [&](std::span<const Evaluation> so_far) {
+      done = so_far.size();
+      hook("optimize", done, o.search.budget);
+    });
   } catch (const DataError& e) {
     if (!std::holds_alternative<std::filesystem::path>(log)) throw;
     throw FormatError(name_of(log), "", e.what());
@@ -63,14 +63,9 @@ TuningValue tuned_fit(const GivenLog& log, const TuneOptions& o, const nb::dict&
                       const sensor::Sensor* sensor, const nb::object& progress) {
   fit::FitOptions options;
   set_fit_options(options, parameters, o.seed, sensor);
-  const optimize::SliceOptions cut = o.cut();
-  optimize::chosen_fit_parameters(options, o.tune);  // This throws for unknown names.
   TuningValue out;
   run_watched(progress, [&](const Hook& hook) {
-    const std::unique_ptr<BeamSource> source = source_of(log, true);
-    const auto slice = std::make_shared<const optimize::Slice>(optimize::take_slice(*source, cut));
-    out = searched(log, o, report::sentence_on(*slice, cut, false),
-                   pipeline::tuned_fit(o.objective, slice, options, o.tune), hook);
+    out = searched(log, o, false, pipeline::tuned_fit(*source_of(log, true), o, options), hook);
   });
   return out;
 }
@@ -78,22 +73,12 @@ TuningValue tuned_fit(const GivenLog& log, const TuneOptions& o, const nb::dict&
 TuningValue tuned_scene(const GivenLog& log, const TuneOptions& o,
                         const std::filesystem::path& annotation, const std::string& primitives,
                         bool allow_outside, const nb::object& progress) {
-  const optimize::SliceOptions cut = o.cut();
   TuningValue out;
   run_watched(progress, [&](const Hook& hook) {
-    const std::unique_ptr<BeamSource> source = source_of(log, true);
-    optimize::Slice slice = optimize::take_slice(*source, cut);
-    const auto parts = std::make_shared<pipeline::SceneParts>();
-    parts->annotation = primitives::read_annotation(annotation, allow_outside);
-    parts->ground = elements::read_model(parts->annotation.ground.lexically_normal());
-    parts->primitives = pipeline::primitives_named(primitives, o.seed).set;
-    std::string what = report::sentence_on(slice, cut, true);
-    BeamLog beams = std::move(slice.fit);
-    beams.append(slice.validation, 0, slice.validation.size());
-    out =
-        searched(log, o, std::move(what),
-                 pipeline::tuned_scene(o.objective, parts, std::move(beams), o.seed, o.tune), hook);
-    out.densities = true;
+    pipeline::SceneParts parts =
+        pipeline::read_scene_parts(annotation, primitives, allow_outside, o.seed);
+    out = searched(log, o, true, pipeline::tuned_scene(*source_of(log, true), o, std::move(parts)),
+                   hook);
   });
   return out;
 }

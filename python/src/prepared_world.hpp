@@ -1,5 +1,5 @@
 /// \file
-/// What beams are fired into, as Python gives it.
+/// The worlds into which beams are fired, as Python gives them.
 #pragma once
 #include <optional>
 #include <string>
@@ -22,7 +22,7 @@ struct SimulateOptions {
   pipeline::SimulateOptions pipeline;
   std::vector<GivenMover> movers;
   report::SimulateFiles files;
-  worlds::ReadOptions read;  ///< How the world of another program is read.
+  worlds::ReadOptions read;  ///< The options for reading a world of another program.
 };
 
 /// A model or scene, prepared for tracing. A model or scene that was given as a value and is not

@@ -63,6 +63,23 @@ std::string clouds_compared(const GivenLog& real, const GivenLog& simulated,
   return out;
 }
 
+std::string scans_compared(const GivenLog& real, const GivenLog& simulated,
+                           const std::string& protocol, const nb::object& progress) {
+  require(protocol == "kitti360" || protocol == "repeats",
+          "compare_scans: the protocol is kitti360 or repeats");
+  std::string out;
+  run_watched(progress, [&](const Hook& hook) {
+    WatchedLog a(source_of(real), hook), b(source_of(simulated), hook);
+    name_file_of(simulated, [&] {
+      out = (protocol == "repeats"
+                 ? pipeline::json_of_repeats(metrics::repeats(a, b))
+                 : pipeline::json_of_range_images(metrics::range_image_scores(a, b)))
+                .dump();
+    });
+  });
+  return out;
+}
+
 ScoreValue scored(const GivenLog& real, const GivenLog& simulated,
                   const std::optional<GivenWorld>& model, const std::optional<GivenLog>& train,
                   bool cloud, const pipeline::ScoreOptions& options, const nb::object& progress) {
@@ -132,7 +149,7 @@ void bind_score(nb::module_& m) {
         return nb::str(nb::str("Summary({} beams, packet error {:.3f} m, F1 {:.4f})")
                            .attr("format")(s.beams, s.packet_error_m, s.f1));
       });
-  // The command line's protocols compare several logs side by side.
+  // The protocols are functions of their own: compare_scans and compare_clouds.
   bind_options<pipeline::ScoreOptions>(m, "ScoreOptions", "score",
                                        [] { return pipeline::score_options().first(1); });
   using S = ScoreValue;
@@ -171,6 +188,8 @@ void bind_score(nb::module_& m) {
         "Compares a simulated log with the real log of the same beams.");
   m.def("compare_clouds", &clouds_compared, "real"_a, "simulated"_a, "progress"_a.none(),
         "Compares two logs that share no beams as point clouds, and returns the scores as JSON.");
+  m.def("compare_scans", &scans_compared, "real"_a, "simulated"_a, "protocol"_a,
+        "progress"_a.none(), "Compares the scans of two logs, and returns the scores as JSON.");
   m.def(
       "write_score_report",
       [](const std::filesystem::path& folder, const std::filesystem::path& real,

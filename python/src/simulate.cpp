@@ -14,6 +14,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/driver_layout.hpp"
 #include "underbrush/io/export.hpp"
+#include "underbrush/pipeline/requested_beams.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 #include "watched.hpp"
 
@@ -27,39 +28,28 @@ struct Destination {
   std::string provenance;
 };
 
-/// The beams that are simulated: those of a log, of a sensor or of a rig on a trajectory.
-struct Beams {
+/// A request for beams: those of a log, of a sensor or of a rig on a trajectory.
+struct Request {
   std::optional<GivenLog> like;
   const sensor::Sensor* sensor = nullptr;
   std::optional<std::filesystem::path> rig;
   std::optional<Trajectory> trajectory;
 
-  std::unique_ptr<BeamSource> open() const {
-    if (like) return source_of(*like);
+  pipeline::RequestedBeams beams() const {
+    if (like) {
+      return {source_of(*like), name_of(*like),
+              sensor ? std::optional(*sensor) : std::optional<sensor::Sensor>()};
+    }
     require((sensor || rig) && trajectory && !trajectory->empty(),
             "simulate: give like, or a sensor or rig and a trajectory of at least one pose");
-    if (rig) return pipeline::rig_beams(perception::load_rig(*rig), *trajectory);
-    return std::make_unique<pipeline::SensorBeams>(*sensor, *trajectory);
-  }
-
-  pipeline::Simulation simulation(const pipeline::TracedWorld& world,
-                                  const pipeline::SimulateOptions& options,
-                                  const BeamSource& source) const {
-    if (const auto* of_rig = dynamic_cast<const perception::RigSource*>(&source)) {
-      return {world, options, of_rig->sensors()};
-    }
-    if (sensor) return {world, options, [this](const char*) { return *sensor; }};
-    return {world, options, pipeline::sensor_of(name_of(*like), source)};
-  }
-
-  Trajectory path(const BeamSource& source) const {
-    const auto* beams = dynamic_cast<const pipeline::SensorBeams*>(&source);
-    return beams ? beams->path() : trajectory.value_or(Trajectory());
+    if (rig) return {perception::load_rig(*rig), *trajectory};
+    return {*sensor, *trajectory};
   }
 };
 
 std::pair<BeamLog, pipeline::SimulateCounts> simulated(const GivenWorld& model,
-                                                       SimulateOptions options, const Beams& beams,
+                                                       SimulateOptions options,
+                                                       const Request& request,
                                                        const Destination& to,
                                                        const nb::object& progress) {
   std::pair<BeamLog, pipeline::SimulateCounts> out;
@@ -71,14 +61,14 @@ std::pair<BeamLog, pipeline::SimulateCounts> simulated(const GivenWorld& model,
     waveforms.receive_from(options.pipeline);
     options.pipeline.check();
     const PreparedWorld target(model, options);
-    const std::unique_ptr<BeamSource> fired = beams.open();
-    pipeline::Simulation simulation = beams.simulation(target.world(), options.pipeline, *fired);
-    WatchedSource source(*fired, hook, "simulate");
+    const pipeline::RequestedBeams beams = request.beams();
+    pipeline::Simulation simulation = beams.simulation(target.world(), options.pipeline);
+    WatchedSource source(beams.source(), hook, "simulate");
     if (to.path) {
       out.second = pipeline::simulate_log(simulation, source, [&](BeamSource& log) {
         if (profile.empty()) return io::export_log(*to.path, log, "", to.provenance);
-        io::export_driver_layout(*to.path, log, io::driver_layout_from_name(profile),
-                                 beams.path(*fired), to.provenance);
+        io::export_driver_layout(*to.path, log, io::driver_layout_from_name(profile), beams.path(),
+                                 to.provenance);
       });
     } else {
       out.first = pipeline::simulate_log(simulation, source, {}, &out.second);

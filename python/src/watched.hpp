@@ -11,10 +11,10 @@
 namespace underbrush::python {
 namespace nb = nanobind;
 
-/// Receives (stage, done, total) from any thread. It throws where the call is to end early.
+/// A function of (stage, done, total), for any thread. It throws where the call is to end early.
 using Hook = std::function<void(std::string_view, size_t, size_t)>;
 
-/// Returns what reports the progress of one stage, with (done, total). The hook must outlive it.
+/// Returns a function for the progress of one stage, (done, total). The hook must outlive it.
 inline std::function<void(size_t, size_t)> of_stage(const Hook& hook, std::string_view stage) {
   return [&hook, stage](size_t done, size_t total) { hook(stage, done, total); };
 }

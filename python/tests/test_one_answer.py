@@ -153,6 +153,16 @@ def test_compare_clouds(run: Callable[..., str], folder: pathlib.Path) -> None:
         underbrush.compare_clouds(folder / "train.ply", empty)
 
 
+@pytest.mark.parametrize("protocol, words", [("kitti360", ["--protocol", "kitti360"]), ("repeats", ["--repeats"])])
+def test_compare_scans(run: Callable[..., str], folder: pathlib.Path, protocol: str, words: list[str]) -> None:
+    run("simulate", folder / "model", "--like", folder / "test.ply", "-o", folder / "sim.ply", "--force")
+    printed = json.loads(run("score", folder / "test.ply", folder / "sim.ply", *words, "--json", "-"))
+    found = underbrush.compare_scans(folder / "test.ply", underbrush.read_log(folder / "sim.ply"), protocol)
+    assert found == printed["models"]["sim"][protocol] and found["scans"] > 0
+    with pytest.raises(ValueError, match="kitti360 or repeats"):
+        underbrush.compare_scans(folder / "test.ply", folder / "sim.ply", "other")  # type: ignore[arg-type]
+
+
 def without_origin(value: object) -> object:
     """JSON without what says what wrote it and when."""
     if isinstance(value, dict):

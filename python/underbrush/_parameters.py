@@ -82,8 +82,8 @@ class SimulateParameters(TypedDict, total=False):
     #: Add columns for the element at which each beam ended and for its class; for a scene also for its instance
     #: (default false).
     element_ids: bool
-    #: Simulate only the beams FIRST to END - 1; the first beam has the number 0. Their results are those of a
-    #: simulation of all beams.
+    #: Simulate only the beams FIRST to END - 1; the first beam has the number 0. These beams get the same results
+    #: as in a simulation of all beams.
     beams: str
     memory: str  #: Largest memory of the loaded regions of a world (default 2GiB).
     #: Trace several sub-rays in each beam and compute light, waveform and echoes: a number, COLUMNSxROWS, or sensor

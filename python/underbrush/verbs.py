@@ -5,7 +5,7 @@ import json
 import os
 import tempfile
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, overload
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, overload
 
 from underbrush import _core
 from underbrush._core import BeamLog, Model, ObjectLists, Primitives, Scene, Score, Sensor, Trajectory, Tuning
@@ -223,6 +223,20 @@ def compare_clouds(real: Log, simulated: Log, *, progress: Progress | None = Non
     """
     with _shown(progress) as shown:
         scores: dict[str, Any] = json.loads(_core.compare_clouds(_log(real), _log(simulated), shown))
+    return scores
+
+
+def compare_scans(real: Log, simulated: Log, protocol: Literal["kitti360", "repeats"], *,
+                  progress: Progress | None = None) -> dict[str, Any]:
+    """Compares the scans of a simulated log with those of the real log of the same beams.
+
+    "kitti360" scores range images as learned simulators are scored; "repeats" compares scans recorded from one place,
+    and their ranges from scan to scan. Returns the values that `underbrush score --protocol kitti360 --json`, or
+    `--repeats --json`, writes for a log; a score without data is None. Raises `ValueError` (`FormatError` for files)
+    where the scans of the logs differ, and `OSError`.
+    """
+    with _shown(progress) as shown:
+        scores: dict[str, Any] = json.loads(_core.compare_scans(_log(real), _log(simulated), protocol, shown))
     return scores
 
 

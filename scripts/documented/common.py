@@ -14,8 +14,15 @@ STUDY = "underbrush-study"
 HALVES = {log: Job(f"halves.{log}", f"{REAL_LOGS} --only {log} --models\ntest -s \"$WORK/{log}/test.ply\"", (path,))
           for log, path in LOGS.items()}
 
+
+
+def near(log):
+    """The option of a fit that leaves out the returns of the car that drives a log."""
+    return " --min-range 2" if log.startswith("kitti") else ""
+
+
 KEYS = {"packet error, m": "packet_error_m", "capped error, m": "capped_error_m", "precision": "precision",
-        "recall": "recall", "F1": "f1", "informedness": "informedness", "median range error, m": "median_range_error_m",
+        "recall": "recall", "F1": "f1", "informedness": "informedness", "F1 of misses": "f1_of_misses", "median range error, m": "median_range_error_m",
         "cloud error, m": "cloud_error_m", "density-aware Chamfer": "density_aware_chamfer",
         "NLL": "nll_per_beam", "CRPS": "crps_m"}
 

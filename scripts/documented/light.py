@@ -1,5 +1,5 @@
 """The table of intensities: what models answer for held-out beams, beside constants."""
-from .common import HALVES, LOGS
+from .common import HALVES, LOGS, near
 from .jobs import Job, Measured, Part, read_json
 
 LABELLED = {"kitti00_labelled": ("kitti00_000000", "semantickitti"), "rellis_000104": ("000104", "rellis")}
@@ -28,8 +28,7 @@ def part(row, job):
 
 
 def halves(log):
-    near = " --min-range 2" if log.startswith("kitti") else ""
-    return part(log, Job(f"light.{log}", f'underbrush fit "$WORK/{log}/train.ply"{near} -o model\n' +
+    return part(log, Job(f"light.{log}", f'underbrush fit "$WORK/{log}/train.ply"{near(log)} -o model\n' +
                          SCORED.format(test=f'"$WORK/{log}/test.ply"'), (LOGS[log],), (HALVES[log],)))
 
 

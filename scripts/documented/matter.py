@@ -1,7 +1,7 @@
 """The tables of matter that is drawn once, of the instrument that meets it, and of matter that is known."""
 import statistics
 
-from .common import HALVES, KEYS, LOGS, study
+from .common import HALVES, KEYS, LOGS, near, study
 from .jobs import Job, Measured, Part, read_json
 
 THREE = ("packet error, m", "F1", "cloud error, m")
@@ -9,15 +9,15 @@ THREE = ("packet error, m", "F1", "cloud error, m")
 
 def grain():
     def part(log):
-        job = Job(f"grain.{log}", f"""underbrush fit "$WORK/{log}/train.ply" -o model
-for m in anew once; do underbrush simulate model --like "$WORK/{log}/test.ply" --matter $m -o $m.ply; done
-underbrush score "$WORK/{log}/test.ply" anew.ply once.ply --json scores.json
-rm -r model anew.ply once.ply""", (LOGS[log],), (HALVES[log],))
+        job = Job(f"grain.{log}", f"""underbrush fit "$WORK/{log}/train.ply"{near(log)} -o model
+for m in once anew; do underbrush simulate model --like "$WORK/{log}/test.ply" --matter $m -o $m.ply; done
+underbrush score "$WORK/{log}/test.ply" once.ply anew.ply --json scores.json
+rm -r model once.ply anew.ply""", (LOGS[log],), (HALVES[log],))
 
         def cells(folder):
             models = read_json(folder / "scores.json")["models"]
             yield log, "roughness, cm: log", [100 * models["once"]["roughness_real_m"]]
-            for model in ("anew", "once"):
+            for model in ("once", "anew"):
                 yield log, f"roughness, cm: {model}", [100 * models[model]["roughness_m"]]
                 yield from ((log, f"{column}: {model}", [models[model][KEYS[column]]])
                             for column in THREE)
@@ -57,9 +57,9 @@ rm -r bare labelled *.ply""", (f"{file}.bin", f"{file}.label"))
     return tuple(part(log) for log in LABELLED)
 
 
-INSTRUMENT_COLUMNS = {**{column: KEYS[column] for column in ("capped error, m", *THREE, "informedness")},
-                      "F1 of misses": "f1_of_misses"}
+INSTRUMENT_COLUMNS = {column: KEYS[column] for column in ("capped error, m", *THREE, "informedness", "F1 of misses")}
 SENSORS = {"rellis_000104": "ouster-os1-64", "marv_forest": "ouster-os0-128"}  # of the others: velodyne-hdl64e
+UNNAMED = "marv_forest"  # does not name its sensor, so that `fit` is told it
 
 
 def instrument():
@@ -68,15 +68,20 @@ def instrument():
         sensor = SENSORS.get(log, "velodyne-hdl64e")
         like = f'--like "$WORK/{log}/test.ply"'
         beam = f"--sensor {sensor} --super-sample 9"
-        train = f'"$WORK/{log}/train.ply" --sensor {sensor}'
-        job = Job(f"instrument.{log}", f"""underbrush fit {train} -o model
+        train = f'"$WORK/{log}/train.ply"{near(log)}'
+        told = f" --sensor {sensor}" if log == UNNAMED else ""
+        default = f"""underbrush fit {train} -o model
+underbrush simulate model {like} -o default.ply
+rm -r model
+""" if told else ""
+        job = Job(f"instrument.{log}", f"""{default}underbrush fit {train}{told} -o model
 underbrush simulate model {like} -o thin.ply
 underbrush simulate model {like} {beam} -o instrument.ply
-underbrush fit {train} --keyframes 0 -o elements
+underbrush fit {train}{told} --keyframes 0 -o elements
 underbrush simulate elements {like} -o thin-elements.ply
 underbrush simulate elements {like} {beam} -o instrument-elements.ply
-underbrush score "$WORK/{log}/test.ply" thin.ply instrument.ply thin-elements.ply instrument-elements.ply \
-  --train "$WORK/{log}/train.ply" --json scores.json
+underbrush score "$WORK/{log}/test.ply" {"default.ply " if told else ""}thin.ply instrument.ply thin-elements.ply \
+  instrument-elements.ply --train "$WORK/{log}/train.ply" --json scores.json
 rm -r model elements *.ply""", (LOGS[log],), (HALVES[log],))
 
         def cells(folder):

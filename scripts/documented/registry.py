@@ -24,6 +24,7 @@ def model_job(log, model):
                (LOGS[log],), (HALVES[log],))
 
 
+FIRST = ["capped error, m", "informedness", "F1 of misses"]
 SCORES = ["packet error, m", "precision", "recall", "F1", "cloud error, m", "median range error, m", "NLL/beam",
           "CRPS, m"]
 OBJECTIVE = "packet error + 2(1 − F1)"
@@ -46,9 +47,13 @@ def real_logs(models):
 
     def beside(log):
         def cells(folder):
-            for name, s in read_json(folder / "scores.json")["baselines"].items():
-                yield from ((f"{log}/{name}", heading, [s[KEYS[heading]]]) for heading in SCORES if KEYS.get(heading) in s)
-        return Part((baselines_job(log),), cells)
+            compared = read_json(folder / "scores.json")
+            for model in models:
+                yield from ((f"{log}/{model}", heading, [compared["models"][model][KEYS[heading]]]) for heading in FIRST)
+            for name, s in compared["baselines"].items():
+                yield from ((f"{log}/{name}", heading, [s[KEYS[heading]]]) for heading in FIRST + SCORES
+                            if KEYS.get(heading) in s)
+        return Part((compared_job(log),), cells)
     return tuple(part(log, model) for log in LOGS for model in models) + tuple(beside(log) for log in LOGS)
 
 
@@ -67,17 +72,22 @@ def fitters(models):
     return tuple(part(log, model) for log in LOGS for model in models) + tuple(baselines(log) for log in LOGS)
 
 
-def baselines_job(log):
-    """The scores of what a simulator must beat, on the beams of a log."""
-    return Job(f"baselines.{log}", f"""underbrush score "$WORK/{log}/test.ply" "$WORK/{log}/default.ply" \\
-  --train "$WORK/{log}/train.ply" --json scores.json""", (LOGS[log],), (model_job(log, "default"),))
+ON_REAL_LOGS = ("default", "median", "sharp", "surface", "surface_carved", "mesh_primitives")
+
+
+def compared_job(log):
+    """The scores that do not need a model, of the simulated logs and of what a simulator must beat."""
+    models = (*ON_REAL_LOGS, "no_keyframes")
+    return Job(f"compared.{log}", f"""cd "$WORK/{log}"
+underbrush score test.ply {" ".join(f"{model}.ply" for model in models)} --train train.ply --json "$OLDPWD/scores.json"
+""", (LOGS[log],), tuple(model_job(log, model) for model in models))
 
 
 def baselines(log):
     def cells(folder):
         for name, s in read_json(folder / "scores.json")["baselines"].items():
             yield name, log, [s[KEYS["packet error, m"]], s[KEYS["F1"]]]
-    return Part((baselines_job(log),), cells)
+    return Part((compared_job(log),), cells)
 
 
 def tuning():
@@ -304,7 +314,7 @@ def terrestrial_parameters(folder):
 
 
 MEASURED = {
-    "real-logs": Measured(real_logs(("default", "median", "sharp", "surface", "surface_carved", "mesh_primitives"))),
+    "real-logs": Measured(real_logs(ON_REAL_LOGS)),
     "reliability": Measured(reliability(("default", "sharp", "hierarchical", "surface"))),
     "keyframes": Measured(real_logs(("default", "no_keyframes"))),
     "fitters": Measured(fitters(("default", "hierarchical", "voxel", "top_down", "bottom_up"))),

@@ -29,7 +29,7 @@ def call(*words, cwd=None, program=None):
     # The texts must not depend on a terminal's width or language.
     environment = {k: v for k, v in os.environ.items() if k not in ("COLUMNS", "LANG", "LC_ALL")}
     done = subprocess.run([program or PROGRAM, *map(str, words)], cwd=cwd, env=environment, text=True,
-                          stdin=subprocess.DEVNULL, capture_output=True, check=False, timeout=120)
+                          stdin=subprocess.DEVNULL, capture_output=True, check=False, timeout=600)
     done.progress = "".join(re.findall(PROGRESS, done.stderr, re.MULTILINE))
     done.stderr = re.sub(PROGRESS, "", done.stderr, flags=re.MULTILINE)
     return done

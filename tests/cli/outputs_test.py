@@ -268,7 +268,7 @@ class Distinct(cli_test.OnALog):
 
     def contents(self):
         paths = (os.path.join(folder, name) for folder, _, names in os.walk(self.folder) for name in names)
-        return {path: pathlib.Path(path).read_bytes() for path in paths}
+        return {path: pathlib.Path(path).read_bytes() for path in paths if os.path.isfile(path)}
 
 
 if __name__ == "__main__":

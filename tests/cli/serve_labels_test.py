@@ -176,8 +176,14 @@ class ServeLabels(unittest.TestCase):
         self.assertEqual(listed["score"]["protocol"]["choices"], ["kitti360", "clouds"])
         command = self.server.json_of("api/jobs/command?verb=score&real=0&simulated=0&model=3&train=0&name=s.json")["command"]
         self.assertRegex(command, r"^underbrush score \S+/log.ply \S+/log.ply --model \S+/scene --train \S+/log.ply --json ")
-        free = {"fit": ("start",), "simulate": ("materials", "material", "super-sample", "returns")}
-        for verb, names in free.items():  # no free text reaches a command line
+        instrument = self.server.json_of("api/jobs/command?verb=simulate&world=3&like=0&name=n.ply&super_sample=3x3&returns=2"
+                                         "&material=tree%3Dbark%20ground%3Dsoil")["command"]
+        self.assertIn(" --super-sample 3x3 --returns 2 --material tree=bark ground=soil ", instrument)
+        for bad in ("-o", "../x", "a/b", " ", "x;y", "x\0"):  # neither options nor paths
+            status, _ = self.post("jobs/start", verb="simulate", world=3, like=0, name="n.ply", super_sample=bad)
+            self.assertEqual(status, 400, bad)
+        files = {"fit": ("start", "logs"), "simulate": ("materials",)}
+        for verb, names in files.items():  # no path of a request reaches a command line
             self.assertFalse(set(names) & set(listed[verb]))
             for name in names:
                 command = self.server.json_of(f"api/jobs/command?verb={verb}&log=0&world=3&like=0&name=new"

@@ -36,17 +36,16 @@ TEST(Objective, OfAWorldIsThatOfItsAnswersScored) {
 TEST(Objective, OfABadStartIsMuchBetterAfterASearch) {
   const BeamLog log = test::drive_past_bushes(2, 8);
   MemorySource source(log);
-  const auto slice =
-      std::make_shared<const optimize::Slice>(optimize::take_slice(source, {0, 10, 4, 1}));
   fit::FitOptions bad;
   bad.volumetric.hierarchical.clusters_per_point = 0.005;  // a few ellipsoids for all bushes
   bad.tau = 1;
   bad.keyframes.spacing_m = 0;  // which would answer in place of the ellipsoids
-  const std::string names[] = {"clusters-per-point", "tau"};
+  optimize::TuneOptions options;
+  options.tune = {"clusters-per-point", "tau"};
+  options.search = {"cobyla", 15, 0.25};
   for (const std::string& objective : optimize::objectives()) {
-    const TuningProblem problem = tuned_fit(objective, slice, bad, names);
-    const std::vector<optimize::Evaluation> tried = optimize::search(
-        problem.parameters, problem.start, {"cobyla", 15, 0.25}, problem.objective);
+    options.objective = objective;
+    const std::vector<optimize::Evaluation> tried = tune(tuned_fit(source, options, bad), options);
     const double from = tried.front().outcome.objective,
                  to = tried[optimize::best_of(tried)].outcome.objective;
     EXPECT_LT(to, from - 0.3) << objective << " " << from << " " << to;
@@ -76,10 +75,12 @@ TEST(Densities, AreThoseOfTheAnnotationsClassesAndReachTheScene) {
   elements::Model ground = test::plane(40, 0, 0);
   ground.origin = Vec3::Zero();
   const primitives::PrimitiveSet read = primitives::read_primitive_set(folder / "set");
-  const auto parts = std::make_shared<const SceneParts>(SceneParts{site, ground, read});
+  const SceneParts parts{site, ground, read, {}, {}};
+  const BeamLog other = test::drive_past_bushes(3, 2);
+  MemorySource beams(other);
+  const TuningProblem elsewhere = tuned_scene(beams, {}, parts);
   const auto answered = [&](double density) {
-    return tuned_scene("packet_f1", parts, test::drive_past_bushes(3, 2), 1, {})
-        .objective(std::vector<double>{density});
+    return elsewhere.objective(std::vector<double>{density});
   };
   // The beams come from another world; the test only asks that fewer trees give other answers.
   EXPECT_NE(answered(1).objective, answered(0.1).objective);
@@ -91,7 +92,8 @@ TEST(Densities, AreThoseOfTheAnnotationsClassesAndReachTheScene) {
   const TracedWorld world(truth.scene, truth.info);
   Simulation simulation(world, options);
   const BeamLog log = simulate_log(simulation, test::drive_past_bushes(4, 4));
-  const TuningProblem problem = tuned_scene("packet_f1", parts, log, 1, {});
+  MemorySource own(log);
+  const TuningProblem problem = tuned_scene(own, {}, parts);
   const auto objective = [&](double density) {
     return problem.objective(std::vector<double>{density}).objective;
   };

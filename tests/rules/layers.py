@@ -50,6 +50,13 @@ INNER_PARTS = [
       "bench/echoes.cpp": "a benchmark of the instrument itself", "bench/contest.cpp": "a benchmark of the tracer itself",
       **tests_of("ball_scanner.hpp", "calibrate/", "drive_past.hpp", "fit/", "keyframes/", "likelihood/", "plant_meshes/",
                  "simulate/", "trace/", "update/", "worlds/")}),
+    ("generated truths are scanned", r"underbrush/simulate/footprint",
+     r"\bsimulate::scan\b",
+     {"src/underbrush/simulate/": "the caster is here",
+      "apps/underbrush/cmd_demo.cpp": "the log of the demo",
+      "studies/site_drive.": "logs of generated sites", "studies/static_scan.cpp": "logs of generated targets",
+      "studies/mesh_fidelity_scan.cpp": "the study judges plants as triangles, not an instrument",
+      "bench/site.hpp": "the log of a generated site", **tests_of("simulate/")}),
     ("models are fitted", r"underbrush/(?:fit/(?:fit|fit_stages|fitters)|update/update)\.hpp",
      r"\b(?:fit::fit|begin_fit|end_fit|fitter_named|fitters|update::update)\b|"
      r"\bnamespace (?:\w+ = )?(?:underbrush::)?(?:fit|update)\b",
@@ -293,7 +300,7 @@ BYPASSES = [
     '#include "underbrush/simulate/median.hpp"', '#include "underbrush/fit/fit_stages.hpp"',
     "simulate::EchoMaker maker(traced.dynamic(), reflection, instrument, {});", "const simulate::DynamicWorld world(still);",
     "traced.still().nearest_accepted(ray, key, limits);", "using namespace simulate;", "namespace s = underbrush::simulate;",
-    "auto m = fit::fit(beams, {}).model;", "using namespace fit;", "auto start = fit::begin_fit(log, options);",
+    "simulate::scan(world, label, beam, 0, log);", "auto m = fit::fit(beams, {}).model;", "using namespace fit;", "auto start = fit::begin_fit(log, options);",
     "fit::end_fit(log, start, refinement, options);", 'fit::fitter_named("voxel").fit(log, options, {});',
 ]
 BAD = [({"studies/a.cpp": text + "\n", f"{LIBRARY}simulate/simulate.hpp": ""}, "by `pipeline` alone") for text in BYPASSES]
@@ -343,7 +350,7 @@ GOOD = {**module("core", '#include <tbb/tbb.h>\n// printf( is a word here\nauto 
         **module("trace", '#include "underbrush/core/pose.hpp"\n#include "underbrush/core/k.inl"\n'
                  'void nearest_accepted(char* s) { std::snprintf(s, 1, "x"); }\n',
                  "  DEPENDS core  # the bottom\n  LINK nanoflann::nanoflann"),
-        "studies/a.cpp": '#include "underbrush/simulate/footprint.hpp"\n// simulate::EchoMaker is a word here\n',
+        "studies/static_scan.cpp": '#include "underbrush/simulate/footprint.hpp"\n// simulate::EchoMaker is a word here\n',
         "report/a.hpp": "", "bench/a.cpp": '#include "report/a.hpp"\n#include <embree3/rtcore.h>\n',
         "bench/CMakeLists.txt": "target_link_libraries(b PRIVATE underbrush_report embree)\n"}
 

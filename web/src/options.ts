@@ -4,10 +4,11 @@ import { el } from './panel';
 export interface Option {
   name: string;
   group: string;
-  type: 'float' | 'int' | 'bool' | 'str';
+  type: 'float' | 'int' | 'bool' | 'str' | 'Sequence[str]';
   default: string;
   unit: string;
   help: string;
+  value: string;
   least: number | null;
   most: number | null;
   choices: string[];
@@ -31,6 +32,10 @@ function control(option: Option): Control {
     const box = el('select', { 'aria-label': label }, ...words.map((word) => el('option', { value: word }, word)));
     box.value = option.default;
     return { row: row('', label, box), given: () => (box.value === option.default ? '' : box.value) };
+  }
+  if (option.type === 'str' || option.type === 'Sequence[str]') {
+    const box = el('input', { type: 'text', placeholder: option.value });
+    return { row: row('', label, box), given: () => box.value.trim() };
   }
   const box = el('input', { type: 'number', placeholder: option.default, step: option.type === 'int' ? '1' : 'any' });
   if (option.least !== null) box.min = `${option.least}`;

@@ -7,16 +7,18 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from .._core import group_times, place_rays
 from ._files import Array, OptionMissing, PathLike
 from .airborne import estimate_poses
 from .bag import BagRecording
 from .infer_misses import MissInference
 from .scans import Poses, Recording, Scan, Survey, far_from_sensor
-from .trajectory import pose_at, read_poses, rotate
+from .trajectory import pose_at, read_poses
 
 Floats = npt.NDArray[np.float64]
 
 _LEAST_RANGE_M = 1e-6  # A shorter range has no direction.
+_NO_TURN = np.array([[0.0, 0.0, 0.0, 1.0]])
 _PACKET_S = 1e-3  # Beams within a millisecond share a packet.
 _WORST_FIT_RAD = np.deg2rad(0.5)
 
@@ -85,49 +87,42 @@ def place(scan: Scan, poses: Poses | None, *, world: bool = False, position: Seq
     skipped = collections.Counter() if skipped is None else skipped
     n = len(scan)
     time = scan.beam_time_s if scan.beam_time_s is not None else np.full(n, scan.time_s)
-    inside, lost = np.ones(n, bool), np.zeros(n, bool)
-    rotation = np.tile([0.0, 0.0, 0.0, 1.0], (n, 1))
+    times, group, order = group_times(np.ascontiguousarray(time, np.float64))
     if position is not None:
-        origin = np.tile(np.asarray(position, np.float64), (n, 1))
+        known = np.array([position], np.float64), _NO_TURN, np.ones(1, bool)
+        group = np.zeros(n, np.uint32)
     elif poses is not None and len(poses.time_s):
-        # Beams of equal time, and there are many, share an interpolated pose.
-        times, group = _distinct(time)
-        places, turns, within = pose_at(poses, times)
-        origin, rotation, inside = places[group], turns[group], within[group]
-        lost = np.isnan(origin[:, 0]) & inside
+        known = pose_at(poses, times)  # Beams of equal time, and there are many, share an interpolated pose.
     elif world and scan.origin is not None:
-        origin = scan.origin
+        known = scan.origin, _NO_TURN, np.ones(n, bool)
+        group = np.arange(n, dtype=np.uint32)
     else:
         raise ValueError("neither poses nor a position")
-    if world:
-        rotation = rotation[:0]
-    if scan.direction is not None and scan.range_m is not None:
-        direction, distance = scan.direction.astype(np.float64), scan.range_m.astype(np.float64)
+    places, turns, inside = (np.ascontiguousarray(column) for column in known)
+    points, instead, direction, range_m = scan.xyz, None, scan.direction, scan.range_m
+    if direction is not None and range_m is not None:
+        points = None
     else:
-        if not world and scan.xyz is not None and far_from_sensor(scan.xyz[np.isfinite(scan.xyz[:, 0])]):
+        assert points is not None
+        direction = range_m = None
+        if not world and far_from_sensor(points):
             raise OptionMissing("its points lie far from the sensor and close together: are its coordinates those of "
                                 "the world?")
-        direction, distance = _to_points(scan, origin if world else None)
-    if len(rotation):
-        if scan.origin is not None:
-            origin = origin + rotate(rotation, scan.origin)
-        direction = rotate(rotation, direction)
-    directed = np.isfinite(direction[:, 0])
-    near = ~(distance > _LEAST_RANGE_M)
-    for count, reason in ((~inside, "beams outside the times of the poses"),
-                          (lost, "points of flight lines whose sensor positions cannot be estimated"),
-                          (inside & ~lost & ~directed, "misses whose direction cannot be found"),
-                          (inside & directed & near, "points at the sensor itself")):
-        if count.any():
-            skipped[reason] += int(np.count_nonzero(count))
-    rows = np.flatnonzero(inside & directed & ~near)
-    if not np.all(np.diff(time[rows]) >= 0):
-        rows = rows[np.argsort(time[rows], kind="stable")]
+        if not world and not np.isfinite(points[:, 0]).all():
+            instead = directions_of_misses(scan)
+    rows, origin, direction, distance, left = place_rays(
+        *(_columns(column) for column in (points, instead, direction)),
+        None if range_m is None else np.ascontiguousarray(range_m, np.float32), _columns(scan.origin), group, places,
+        None if world else turns, inside, order, _LEAST_RANGE_M)
+    for count, reason in zip(left, ("beams outside the times of the poses",
+                                    "points of flight lines whose sensor positions cannot be estimated",
+                                    "misses whose direction cannot be found", "points at the sensor itself")):
+        if count:
+            skipped[reason] += count
     time = time[rows]
-    hit = np.isfinite(distance[rows])
+    hit = np.isfinite(distance)
     columns: dict[str, Array] = {
-        "origin": origin[rows], "direction": direction[rows].astype(np.float32),
-        "range_m": distance[rows].astype(np.float32), "time_s": time,
+        "origin": origin, "direction": direction, "range_m": distance, "time_s": time,
         "intensity": np.where(hit, scan.intensity[rows], np.float32(0)) if scan.intensity is not None
         else np.zeros(len(rows), np.float32),
         "ring": scan.ring[rows] if scan.ring is not None else np.zeros(len(rows), np.uint16),
@@ -144,29 +139,9 @@ def place(scan: Scan, poses: Poses | None, *, world: bool = False, position: Seq
     return columns
 
 
-def _distinct(time: Floats) -> tuple[Floats, npt.NDArray[np.int64]]:
-    """The distinct times, or all where they are in no order, and for each row its number among them."""
-    step = np.diff(time)
-    if np.all(step >= 0):
-        begins = np.append(True, step > 0)[:len(time)]
-        return time[begins], np.cumsum(begins) - 1
-    times, group = np.unique(time, return_inverse=True)
-    return times, group.reshape(-1)
-
-
-def _to_points(scan: Scan, origin: Floats | None) -> tuple[Floats, Floats]:
-    """Unit directions (n, 3) to a scan's points and their distances (n,); misses get those of the grid."""
-    assert scan.xyz is not None
-    vector = scan.xyz if origin is None else scan.xyz - origin
-    distance = np.sqrt(np.einsum("ij,ij->i", vector, vector))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        direction = vector / distance[:, None]
-    miss = ~np.isfinite(distance)
-    if miss.any():
-        distance[miss] = np.inf
-        direction[miss] = directions_of_misses(scan)[miss] if origin is None else np.nan
-    direction[distance == 0] = 0
-    return direction, distance
+def _columns(column: Floats | None) -> Floats | None:
+    """Doubles, row by row."""
+    return None if column is None else np.ascontiguousarray(column, np.float64)
 
 
 def directions_of_misses(scan: Scan) -> Floats:

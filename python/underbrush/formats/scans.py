@@ -98,7 +98,12 @@ def middles(scans: Iterable[Scan]) -> npt.NDArray[np.float64]:
 
 
 def far_from_sensor(points: npt.NDArray[np.float64]) -> bool:
-    """Whether points (n, 3) in the sensor's frame are as far away, and as close together, as only those of a world."""
+    """Whether points (n, 3) in the sensor's frame are as far away, and as close together, as only those of a world.
+    Points without coordinates do not count."""
+    some = points[::1 + len(points) // 64]
+    if np.any(np.einsum("ij,ij->i", some, some) < _FAR_M**2):
+        return False
+    points = points[np.isfinite(points[:, 0])]
     if len(points) < _ENOUGH:
         return False
     nearest = float(np.sqrt(np.einsum("ij,ij->i", points, points)).min())

@@ -19,9 +19,9 @@ struct Actor {
   std::string label = "unknown";  ///< Its class, such as "van".
   elements::Model model;          ///< Its origin is zero: the middle of the actor's box.
   Trajectory world_from_actor;
-  double from_s = -std::numeric_limits<double>::infinity();  ///< s; beams before do not meet it,
-  double to_s = std::numeric_limits<double>::infinity();     ///< nor from this time on.
-  uint32_t instance = 0;  ///< Which instance of its scene it is, or is a copy of.
+  double from_s = -std::numeric_limits<double>::infinity();  ///< s; start of its presence.
+  double to_s = std::numeric_limits<double>::infinity();     ///< s; end of its presence, excluded.
+  uint32_t instance = 0;  ///< Number of the instance of its scene that it is, or is a copy of.
 };
 
 /// Reads a model's folder, or a mesh from an OBJ or PLY file, as a thing that moves. Throws
@@ -43,10 +43,10 @@ std::vector<Actor> read_actor_folder(const std::filesystem::path& folder);
 
 /// The distinct names of actors, in order.
 std::vector<std::string> names_of(const std::vector<Actor>& actors);
-/// Actors as the true objects of the scans of a log: those that are there at a scan's time. Object
-/// k
-/// + 1 has the k-th of `names_of`, and its box is that about the actor's elements. Throws
-/// `DataError` for a log that does not say when its scans were made.
+/// The actors that are present at the times of the scans of a log, as the true objects
+/// of these scans. Object k + 1 has the k-th name of `names_of`, and its box is that
+/// about the actor's elements. Throws `DataError` for a log without the times of its
+/// scans.
 perception::LogTruth truth_of(const std::vector<Actor>& actors, const LogInfo& log);
 
 }  // namespace underbrush::actors

@@ -17,7 +17,7 @@ struct View {
 
 /// Gathers the beams that meet the boxes of each track (with the margin), scan by scan. Scans in
 /// which no beam ended at the actor have no view. The log is read once, from the beginning; it has
-/// a row a beam. Throws `DataError` where two scans share one time.
+/// one row per beam. Throws `DataError` where two scans share one time.
 std::vector<std::vector<View>> views_of(BeamSource& log, const std::vector<Track>& tracks,
                                         const BoxOptions& options);
 

@@ -32,9 +32,9 @@ void redirect_actor(std::vector<Actor>& actors, const std::string& name,
 /// of several actors becomes one, from the first to the last of their times.
 void replace_model(std::vector<Actor>& actors, const std::string& name, elements::Model model);
 
-/// Applies the edits of a list, the content of a file of edits, in their order, to other actors
-/// than those of the folder that it names. Errors name it `place`, from where paths are seen.
-/// Throws `FormatError`.
+/// Applies the edits of a list, the content of a file of edits, in their order, to given actors
+/// instead of those of the folder that the list names. Error messages call the list `place`, and
+/// its paths are relative to the folder of `place`. Throws `FormatError`.
 void apply_edits(std::vector<Actor>& actors, const std::string& list,
                  const std::filesystem::path& place);
 /// Reads actors: the folder of a scene (`read_actor_folder`), or a list of edits, JSON after the

@@ -1,5 +1,5 @@
 /// \file
-/// Registration of the views of an actor, so that a thing that was seen many times is sharp.
+/// Registration of the views of an actor, so that a model of many views is sharp.
 #pragma once
 #include <vector>
 
@@ -16,7 +16,7 @@ struct RegistrationOptions {
   double prior_rad = 0.05;  ///< rad; standard deviation of the given headings.
 };
 
-/// How well the views of an actor agree.
+/// The agreement of the views of an actor.
 struct RegistrationReport {
   /// m; median distance of returns from the surface through the returns of other views, before and
   /// after. Both are 0 where the views share no surface.

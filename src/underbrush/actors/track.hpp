@@ -15,13 +15,13 @@ namespace underbrush {
 /// Things that move, learnt from a log: models with trajectories, which can be edited one by one.
 namespace actors {
 
-/// An object over time, as the sensor saw it.
+/// An object over time, as the sensor measured it.
 struct Track {
   uint64_t id = 0;
   perception::ObjectClass label = perception::ObjectClass::kUnknown;
   Vec3 size_m = Vec3::Zero();  ///< Length, width and height: the medians of its boxes.
   std::vector<perception::SeenBox>
-      seen;  ///< In order of time, which differ; all have the size above.
+      seen;  ///< Boxes in order of time; the times differ, and all sizes are the one above.
 
   /// Its name in files: the class and the id, such as "van-1".
   std::string name() const;
@@ -31,9 +31,9 @@ struct Track {
 std::vector<Track> tracks_of(std::span<const perception::SeenBox> boxes);
 
 /// Takes the boxes of measured objects from lists of objects, each with the number of the scan of
-/// `log` that is nearest in time; in lists that do not tell measured objects from predicted ones,
-/// all count. Where the heading turns by more than a right angle from one box
-/// to the next, it is taken as the opposite one.
+/// `log` that is nearest in time; in lists that do not distinguish measured from predicted objects,
+/// all boxes count. Where the heading turns by more than a right angle from one box to the next, it
+/// is taken as the opposite one.
 std::vector<perception::SeenBox> boxes_of(std::span<const perception::ObjectList> lists,
                                           const LogInfo& log);
 
@@ -46,19 +46,19 @@ struct BoxOptions {
 
 /// The boxes of tracks at the times of beams, to find the beams that meet them.
 ///
-/// A box is interpolated between the two of its track that are nearest in time, or extrapolated. It
-/// is there up to three quarters of the usual time between boxes from one of them.
+/// A box is interpolated between the two of its track that are nearest in time, or extrapolated.
+/// The box exists up to three quarters of the usual time between boxes from one of them.
 class BoxesOfBeams {
  public:
   /// `tracks` must outlive it.
   BoxesOfBeams(const std::vector<Track>& tracks, const BoxOptions& options);
 
-  /// The track whose box holds a return, with the margin and above the foot: of several, the one in
-  /// which the return lies deepest. There is none for a miss.
+  /// The track whose box holds a return, with the margin and above the foot: of several such
+  /// tracks, the one in which the return lies deepest. A miss has no track.
   std::optional<size_t> track_of_return(const BeamLog& log, size_t i);
   /// Replaces `tracks` by those whose boxes, with the margin, a beam enters before its return.
   void tracks_on(const BeamLog& log, size_t i, std::vector<size_t>& tracks);
-  /// The box of a track at a time (s), if it is there.
+  /// The box of a track at a time (s), if the track exists at that time.
   std::optional<perception::OrientedBox> box(size_t track, double time_s) const;
 
  private:

@@ -11,7 +11,7 @@ struct ChannelOptions {
   double max_range_m = 40;       ///< Farther returns, where errors of angles prevail, are left out.
   double cell_m = 0.5;           ///< Side of the cells that are searched for flat surfaces.
   double prior_m = 0.03;         ///< Standard deviation of the prior of an offset.
-  int rounds = 4;                ///< How often surfaces and offsets are found by turns.
+  int rounds = 4;                ///< Rounds in which surfaces and offsets are found by turns.
   size_t most_points = 1 << 19;  ///< A longer log gives evenly spread blocks.
 };
 

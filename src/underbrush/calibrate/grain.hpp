@@ -13,15 +13,15 @@ namespace underbrush {
 /// offsets, light and grain.
 namespace calibrate {
 
-/// What was learnt. The roughness of a log is `RingRoughness::median`.
+/// The result of `learn_grain`. The roughness of a log is `RingRoughness::median`.
 struct GrainReport {
-  /// Whether the grain of the kind was learnt, and that of each class of `elements::Grain`. What
-  /// too few beams met keeps the grain that it had.
+  /// Whether the grain of the kind was learnt, and that of each class of `elements::Grain`. Matter
+  /// that too few beams met keeps its grain.
   bool ellipsoids = false, meshes = false;
   std::vector<bool> classes;
   double real_m = 0;       ///< m; roughness of the log.
   double simulated_m = 0;  ///< m; roughness of a simulated log with the grain that was learnt.
-  double anew_m = 0;       ///< m; roughness of a simulated log in which every beam draws anew.
+  double anew_m = 0;       ///< m; roughness of a simulated log in which each beam draws anew.
 
   /// Whether any grain was learnt.
   bool learnt() const {
@@ -36,20 +36,20 @@ struct GrainReport {
 /// keeps about 30 000 beams of whole scans.
 GrainReport learn_grain(elements::Model& model, BeamSource& log, uint64_t seed);
 
-/// What was learnt from echoes: the mean number of echoes of a beam that has any.
+/// The result of `learn_grain_of_echoes`: mean numbers of echoes of the beams that have any.
 struct EchoGrainReport {
   bool learnt = false;
   double real = 0, simulated = 0;
 };
 
-/// Sets the grain of the ellipsoids, between 1 mm and 0.5 m, in which that of classes keeps its
-/// proportion, so that the instrument of
-/// `model.sensor` answers about 20 000 beams half way between those of the log with as many echoes
-/// as these have. A finer
-/// grain makes more of them. Unless the model is one of all echoes, the footprint of its beams is
-/// in it (`simulate::Instrument::fitted_beam`). Nothing is learnt where the sensor is unknown, no
-/// beam of the log has several echoes, or the model has no ellipsoids. Reads the log once; its rows
-/// are echoes.
+/// Sets the grain of the ellipsoids, between 1 mm and 0.5 m, so that simulated beams have as many
+/// echoes as those of the log; the grain of classes keeps its proportion. About 20 000 beams of the
+/// log are turned by half a step of azimuth, to directions that the log does not have, and
+/// simulated with the instrument of `model.sensor`. A finer grain makes more echoes. Unless the
+/// model is one of all echoes, the footprint of its beams is in it
+/// (`simulate::Instrument::fitted_beam`). Nothing is learnt where the sensor is unknown, no beam of
+/// the log has several echoes, or the model has no ellipsoids. Reads the log once; its rows are
+/// echoes.
 EchoGrainReport learn_grain_of_echoes(elements::Model& model, BeamSource& log, uint64_t seed);
 
 }  // namespace calibrate

@@ -48,7 +48,7 @@ struct LightSample {
 ///   f_b = Σ a_b min(I/Î, 4) + λ  over  Σ a_b / f_b + λ,
 /// where a_b is the part of the prediction Î that knot b has. The bound keeps retroreflectors from
 /// deciding, and λ is 20 mean returns, by which a knot of few returns has the gain 1. The first
-/// rounds know only the groups, so that what all elements share belongs to the response.
+/// rounds use the groups only, so that effects shared by all elements belong to the response.
 elements::Light fit_response(std::span<const LightSample> samples, std::span<const uint32_t> group,
                              size_t groups);
 

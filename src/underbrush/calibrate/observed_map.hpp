@@ -13,7 +13,7 @@ class ObservedMap {
   ObservedMap() = default;
   explicit ObservedMap(double cell_m) : cell_m_(cell_m) {}
 
-  /// Adds the way of a beam (frame of the model), of which two samples a cell are taken.
+  /// Adds the path of a beam (frame of the model), sampled twice per cell.
   void add(const Vec3& origin, const Vec3& direction, double from_m, double to_m);
   /// Adds the beams of another map, whose cells are of the same size.
   void add(const ObservedMap& other);
@@ -27,7 +27,7 @@ class ObservedMap {
 
   double cell_m_ = 1;
   CellMap<Cell3, std::unique_ptr<elements::ObservedBlock>> blocks_;
-  elements::ObservedBlock* block_ = nullptr;  // that of the cell before
+  elements::ObservedBlock* block_ = nullptr;  // the block of the cell before
 };
 
 }  // namespace underbrush::calibrate

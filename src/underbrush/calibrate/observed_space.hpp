@@ -1,5 +1,5 @@
 /// \file
-/// This file learns the map of observed space of a log, and what beams meet in unknown space.
+/// This file learns the map of observed space of a log, and the density of unknown space.
 #pragma once
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/elements/model.hpp"
@@ -17,12 +17,12 @@ struct ObservedSpaceOptions {
 ///
 /// κ is learnt from the log itself. It is divided into two parts, the earlier and the later half of
 /// its scans, or quarters of the horizon where the sensor stands in one place. The beams of each
-/// part are followed through what is unknown to the other one:
+/// part are followed through the space that is unknown to the other:
 ///
 ///     κ(h, r) = (beams that ended there + ν) / (their path + ν / κ(h)),   ν = 5 beams,
 ///
 /// by height h above the ground, which is known to the other part, too, and range r; κ(h) is the
-/// same of all ranges. Beams without a return count with their path above the ground, up to the
+/// ratio for all ranges. Beams without a return count with their path above the ground, up to the
 /// greatest range of a return. Nothing is learnt without a ground. The log is read four times. The
 /// result has the same bits for any number of threads.
 void learn_observed_space(elements::Model& model, BeamSource& log,

@@ -1,5 +1,5 @@
 /// \file
-/// How rough a log is along its rings.
+/// The roughness of a log along its rings.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -11,8 +11,8 @@
 namespace underbrush::calibrate {
 
 /// The absolute second differences |r₁ − 2 r₂ + r₃| of the ranges of three beams that follow each
-/// other in a ring of a scan and all hit. They tell how rough the simulated surfaces are, which
-/// errors beam by beam do not.
+/// other in a ring of a scan and all hit. They measure the roughness of simulated surfaces, which
+/// range errors of single beams do not.
 class RingRoughness {
  public:
   /// Adds beams in firing order. Where `groups` is not empty it has one group a beam, and only
@@ -32,7 +32,7 @@ class RingRoughness {
   struct Last {
     uint32_t scan = 0;
     uint8_t group[2] = {};
-    float range_m[2] = {kMiss, kMiss};  ///< The last beam's, and that of the one before.
+    float range_m[2] = {kMiss, kMiss};  ///< Ranges of the last beam and of the beam before it.
   };
   std::unordered_map<uint16_t, Last> last_;  ///< The last beams of each ring.
   std::vector<std::vector<float>> differences_;

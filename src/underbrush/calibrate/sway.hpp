@@ -8,9 +8,9 @@
 
 namespace underbrush::calibrate {
 
-/// What was learnt. `real_m` to `anew_m` are differences of the ranges of one direction in
-/// successive scans from one place, in the log and in simulations of it: geometric means of
-/// |Δ range| + 1 mm where both scans have a return.
+/// The result of `learn_sway`. `real_m` to `anew_m` are differences of the ranges of one direction
+/// in successive scans from one place, in the log and in simulations of it: geometric means of |Δ
+/// range| + 1 mm where both scans have a return.
 struct SwayReport {
   bool stands = false;    ///< Whether successive scans of the log are from one place.
   size_t pairs = 0;       ///< Pairs of beams that repeat a direction.

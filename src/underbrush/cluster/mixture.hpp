@@ -27,8 +27,8 @@ struct MixtureOptions {
 /// A measured point x = y + s is modelled as a draw y of the mixture, moved across its beam by s ~
 /// N(0, S), where S is the covariance of the footprint at the point's range. This is extreme
 /// deconvolution, [bovy11] eq. 15–16, and gives the extent of the matter without that of the beam.
-/// Without a footprint S = 0, which is the plain mixture: ellipsoids share points where clusters
-/// part them.
+/// Without a footprint S = 0, which is the plain mixture: ellipsoids share points, whereas clusters
+/// divide them.
 ///
 /// `points` are in metres; `to_sensor` (m) leads from each point to where it was seen from. Σ is
 /// completed and floored as `ellipsoids_of` does, with n + ν in place of n − 1 + ν. p_hit is left

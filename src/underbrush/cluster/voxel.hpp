@@ -21,7 +21,7 @@ struct VoxelOptions {
 /// The cubes that hold points: [i, i+1) × [j, j+1) × [k, k+1) sides from the origin of the points'
 /// frame.
 struct Voxels {
-  Clusters clusters;  ///< Numbered by (i, j, k), so that the order of the points has no effect.
+  Clusters clusters;  ///< Clusters in order of (i, j, k); the order of the points has no effect.
   /// Code of each cluster's cube, ascending; `voxel_step` leads to other cubes.
   std::vector<uint64_t> code;
 };

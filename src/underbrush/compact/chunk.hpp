@@ -11,7 +11,7 @@
 namespace underbrush::compact {
 
 /// Returns the rows [begin, begin + n) of a log as bytes. Every bit of every column comes back. The
-/// better the poses of `scans` tell where the sensor was, the fewer bytes there are.
+/// better the poses of `scans` describe the motion of the sensor, the fewer bytes there are.
 std::string encoded(const BeamLog& log, const std::vector<ScanInfo>& scans, size_t begin, size_t n,
                     Scratch& scratch);
 

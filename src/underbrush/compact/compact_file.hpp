@@ -14,7 +14,7 @@ namespace underbrush {
 /// Compact logs: the coding of their columns, their chunks and their index.
 namespace compact {
 
-/// Rows of every chunk of a file but the last one.
+/// The number of rows of every chunk of a file but the last one.
 inline constexpr size_t kChunkRows = 1 << 16;
 
 /// A box along the axes (m, world); empty where `least` is above `most`.
@@ -35,9 +35,9 @@ struct Box {
   }
 };
 
-/// What the index tells about a chunk.
+/// The entry of a chunk in the index.
 struct ChunkFacts {
-  uint64_t offset = 0, size = 0;  ///< Bytes.
+  uint64_t offset = 0, size = 0;  ///< Place and length in the file, bytes.
   uint64_t hash = 0;              ///< XXH3 of the chunk's bytes, 64 bits.
   uint64_t returns = 0;           ///< Rows with a return.
   double first_s = 0, last_s = 0;

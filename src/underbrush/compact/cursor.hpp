@@ -21,7 +21,7 @@ void put(std::string& out, T value) {
 }
 
 /// A place in a string of bytes, which is read from the front. Each function throws `FormatError`
-/// (with the names given to the constructor) where the bytes end before.
+/// (with the names given to the constructor) where the bytes end too early.
 class Cursor {
  public:
   /// `bytes`, `file` and `place` must outlive the cursor.

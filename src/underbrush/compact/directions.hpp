@@ -1,5 +1,5 @@
 /// \file
-/// Directions of beams, coded as what a scan pattern leaves unexplained.
+/// Directions of beams, coded as their residuals from a scan pattern.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -10,7 +10,7 @@
 
 namespace underbrush::compact {
 
-/// What is known of the beams of a chunk before their directions, in the order of the rows.
+/// The data of the beams of a chunk that are decoded before their directions, in order of rows.
 struct Fired {
   std::span<const uint16_t> ring;
   std::span<const uint32_t> scan;

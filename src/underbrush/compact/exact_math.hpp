@@ -47,7 +47,7 @@ inline uint32_t ordered(float x) {
   const auto bits = std::bit_cast<uint32_t>(x);
   return bits ^ (uint32_t(int32_t(bits) >> 31) | 0x80000000u);
 }
-/// The same for double precision.
+/// The overload for double precision.
 inline uint64_t ordered(double x) {
   const auto bits = std::bit_cast<uint64_t>(x);
   return bits ^ (uint64_t(int64_t(bits) >> 63) | 0x8000000000000000ull);
@@ -56,7 +56,7 @@ inline uint64_t ordered(double x) {
 inline float from_ordered(uint32_t n) {
   return std::bit_cast<float>(n ^ (((n >> 31) - 1) | 0x80000000u));
 }
-/// The same for double precision.
+/// The overload for double precision.
 inline double from_ordered(uint64_t n) {
   return std::bit_cast<double>(n ^ (((n >> 63) - 1) | 0x8000000000000000ull));
 }

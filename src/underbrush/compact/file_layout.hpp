@@ -1,5 +1,5 @@
 /// \file
-/// What the writer and the reader of compact logs share. It is internal to the module.
+/// The layout of compact logs, for their writer and reader. It is internal to the module.
 #pragma once
 #include <cmath>
 #include <string_view>
@@ -14,7 +14,7 @@ inline constexpr std::string_view kMagic = {"UBLOG\r\n\1", 8};
 /// The last bytes of a file.
 inline constexpr std::string_view kEndMagic = {"UBLOGEND", 8};
 inline constexpr size_t kTrailerBytes = 40;
-inline constexpr size_t kFactsBytes = 17 * 8;  ///< What the index has of a chunk.
+inline constexpr size_t kFactsBytes = 17 * 8;  ///< Size of a chunk's entry in the index.
 
 inline constexpr size_t kMostExpansion = 1024;  ///< Decoded bytes of a chunk for each of the file.
 inline constexpr size_t kMostColumns = 256;     ///< Extra columns.
@@ -30,8 +30,8 @@ inline size_t row_bytes(const BeamLog& log) {
   return bytes;
 }
 
-/// Says why a row is one that a log cannot hold, beyond what `BeamLog::check` finds; null if it is
-/// not.
+/// Returns why a log cannot hold a row, beyond the faults that `BeamLog::check` finds, or null if
+/// it can hold the row.
 inline const char* fault_of(const BeamLog& log, size_t i) {
   const double range = log.range_m[i];
   if (log.is_hit(i) && !(range >= kLeastRangeM && range < kMaxCoordinate)) {

@@ -12,16 +12,16 @@
 
 namespace underbrush::compact {
 
-/// The order in which a column's rows are stored: `order[i]` is the row of place i. Empty: as they
-/// are.
+/// The order in which a column's rows are stored: `order[i]` is the row of place i. An empty order
+/// keeps the rows as they are.
 using Order = std::vector<uint32_t>;
 
-/// Returns the rows sorted by ring; rows of one ring keep their order. It is empty where that
-/// changes nothing.
+/// Returns the rows sorted by ring; rows of one ring keep their order. The result is empty where
+/// the rows are sorted already.
 Order order_by_ring(std::span<const uint16_t> ring);
 
-/// Compresses and decompresses; keeps the memory of zstd from one call to the next. Not for several
-/// threads at once.
+/// A compressor and decompressor, which keeps the memory of zstd from one call to the next. Only
+/// one thread may use it at a time.
 class Codec {
  public:
   Codec();

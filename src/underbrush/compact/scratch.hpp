@@ -10,7 +10,7 @@
 
 namespace underbrush::compact {
 
-/// What one thread keeps from a chunk to the next, because the system clears fresh memory.
+/// The memory that a thread reuses for chunk after chunk, because the system clears fresh memory.
 struct Scratch {
   Codec codec;
   std::vector<Place> places;

@@ -30,7 +30,7 @@ inline Vector rotated(const Turn& q, const Vector& v) {
 /// Returns the inverse rotation.
 inline Turn reverse(const Turn& q) { return {q.w, -q.x, -q.y, -q.z}; }
 
-/// Where the sensor was at a time.
+/// The position and rotation of the sensor at a time.
 struct Place {
   Vector position;
   Turn turn;

@@ -14,9 +14,9 @@
 
 namespace underbrush {
 
-/// m; a log holds no range that is shorter, because it would have no direction.
+/// The least range of a log, m; a shorter range would have no direction.
 inline constexpr double kLeastRangeM = 1e-6;
-/// m; larger coordinates do not fit on the grid of the files of logs.
+/// The bound of coordinates, m; larger ones do not fit on the grid of the files of logs.
 inline constexpr double kMaxCoordinate = 0x1p26;
 
 /// Range of a beam that had no return up to the sensor's maximum range.
@@ -116,12 +116,12 @@ struct BeamLog {
   void check() const;
 };
 
-/// Says why `BeamLog::check` refuses row i ("direction is not a unit vector"); null where it does
-/// not.
+/// Returns why `BeamLog::check` refuses row i ("direction is not a unit vector"), or null where it
+/// does not.
 const char* beam_fault(const BeamLog& log, size_t i);
 
-/// Tells for each row whether it begins a beam, by the column `echo`. Without that column every row
-/// does.
+/// Returns for each row whether it begins a beam, by the column `echo`. Without that column every
+/// row does.
 std::vector<bool> begins_beam(const BeamLog& log);
 /// Keeps one row for each beam: its first echo, or its miss.
 void keep_first_echoes(BeamLog& log);

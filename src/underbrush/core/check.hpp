@@ -30,8 +30,8 @@ class IoError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Data that a function cannot work with, although nothing is wrong with their format. `what()`
-/// says why; a program puts the file's name before it.
+/// Data that a function cannot work with, although nothing is wrong with their format. `what()` is
+/// the reason; a program puts the file's name before it.
 class DataError : public std::invalid_argument {
  public:
   using std::invalid_argument::invalid_argument;

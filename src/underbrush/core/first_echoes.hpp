@@ -5,8 +5,8 @@
 
 namespace underbrush {
 
-/// Gives each beam of another source with its first echo alone (`keep_first_echoes`). A log without
-/// the column `kEchoColumn` passes as it is.
+/// The beams of another source, each with its first echo alone (`keep_first_echoes`). A log without
+/// the column `kEchoColumn` is not changed.
 class FirstEchoes : public BeamSource {
  public:
   /// Reads `source` once if its rows are echoes, to count its beams. `source` must outlive it.

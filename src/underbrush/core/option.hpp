@@ -39,21 +39,21 @@ template <class T>
 struct Option {
   using Options = T;
   std::string_view name;   ///< The name on the command line, without dashes.
-  std::string_view group;  ///< The heading under which `--help-all` has it; "" for the usual ones.
+  std::string_view group;  ///< The heading of the option in `--help-all`; "" for the usual ones.
   std::string_view unit;   ///< For example "m"; empty for a pure number and for text.
   std::string_view help;
   OptionField<T> field;
   /// The limits of a number, both included. A default outside of them, such as NaN, means that the
   /// option is not given.
   double least = -kNoLimit, most = kNoLimit;
-  std::vector<std::string_view> choices{};  ///< What a text may be; empty where it may be anything.
-  std::string_view value{};  ///< What the help shows for a value, such as "FILE.yaml".
-  int count = 0;             ///< How many numbers a list of numbers has; 0 = any.
+  std::vector<std::string_view> choices{};  ///< The allowed texts; empty where any is allowed.
+  std::string_view value{};  ///< The placeholder of a value in the help, such as "FILE.yaml".
+  int count = 0;             ///< The length of a list of numbers; 0 = any.
 };
 
 /// The type of an option's value as Python names it: "float", "int", "bool", "str",
-/// "Sequence[str]", "Sequence[float]", or "str | os.PathLike[str]" for a file or folder, whose
-/// `value` says so.
+/// "Sequence[str]", "Sequence[float]", or "str | os.PathLike[str]" for a file or folder by its
+/// `value`.
 template <class T>
 std::string_view type_of(const Option<T>& option) {
   const bool is_text = std::holds_alternative<std::string& (*)(T&)>(option.field);
@@ -69,9 +69,9 @@ std::string_view type_of(const Option<T>& option) {
 
 /// Returns the value as text, such as "0.5", "true" or "once".
 inline std::string text_of(const std::string& value) { return value; }
-/// The same of a flag.
+/// The overload for a flag.
 inline std::string text_of(bool value) { return value ? "true" : "false"; }
-/// The same of a number.
+/// The overload for a number.
 template <class Number, class = std::enable_if_t<std::is_arithmetic_v<Number>>>
 std::string text_of(Number value) {
   char digits[32];
@@ -161,8 +161,8 @@ std::string limits_of(const Option<T>& option) {
   return text;
 }
 
-/// Returns "" for a value within its limits and among its choices, and for others what the value
-/// should be.
+/// Returns "" for a value within its limits and among its choices, and a description of the right
+/// values otherwise.
 template <class T>
 std::string wrong_value(const Option<T>& option, const T& options) {
   if (is_outside(option, options)) return limits_of(option);

@@ -1,6 +1,6 @@
 /// \file
-/// Rigid transforms. Frames are right-handed, z up, in metres. A name says `to_from_from`, as in
-/// `world_from_sensor`.
+/// Rigid transforms. Frames are right-handed, z up, in metres. Their names have the form
+/// `to_from_from`, as in `world_from_sensor`.
 #pragma once
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -56,7 +56,7 @@ class Trajectory {
 
   /// Returns the interpolated pose at `time_s`. Outside the recorded span it is extrapolated from
   /// the first or last two poses, by at most `kMaxExtrapolation` of their interval; farther out
-  /// there is none.
+  /// there is no pose.
   std::optional<Pose> at(double time_s) const;
 
   static constexpr double kMaxExtrapolation = 1.0;

@@ -20,7 +20,7 @@ struct LastReturns {
 /// Counts returns by their ranges, in intervals that are 0.4 to 0.8 % of the range wide.
 class RangeCut {
  public:
-  static constexpr size_t kMostCounts = 16;  ///< In `LastReturns`.
+  static constexpr size_t kMostCounts = 16;  ///< The greatest number of counts in `LastReturns`.
 
   void add(float range_m) {
     largest_m_ = std::max(largest_m_, range_m);

@@ -1,6 +1,6 @@
 /// \file
-/// Stateless random numbers: each is a hash of what it is drawn for. The same seed gives the same
-/// bits for any order of evaluation, any number of threads and any machine.
+/// Stateless random numbers: each is a hash of its key, element and purpose. The same seed gives
+/// the same bits for any order of evaluation, any number of threads and any machine.
 #pragma once
 #include <cstdint>
 

@@ -1,7 +1,7 @@
 /// \file
-/// The words of the option `--seed`.
+/// The text of the option `--seed`.
 #pragma once
 namespace underbrush {
-/// What `--seed` is.
+/// The help of `--seed`.
 inline constexpr const char* kSeedHelp = "Seed of all random numbers";
 }  // namespace underbrush

@@ -5,8 +5,8 @@
 
 namespace underbrush {
 
-/// Leaves out each beam that has a return with the flag `kMover`, with all its echoes. A log
-/// without such flags passes as it is.
+/// The beams of another source without those that have a return with the flag `kMover`; all echoes
+/// of such a beam are left out. A log without such flags is not changed.
 class StillBeams : public BeamSource {
  public:
   /// `source` must outlive it.

@@ -1,6 +1,6 @@
 /// \file
-/// Temporary files and folders, which are removed even if the program is ended by a signal; what a
-/// killed program left is removed by the next one.
+/// Temporary files and folders, which are removed even if the program is ended by a signal; the
+/// remains of a killed program are removed by the next one.
 #pragma once
 #include <filesystem>
 #include <functional>
@@ -27,7 +27,7 @@ class TemporaryPath {
 
   /// Returns the place to write to. Nothing exists there yet.
   const std::filesystem::path& path() const { return path_; }
-  /// Renames what was written to `NAME` in the folder, replacing a file or folder that stands
+  /// Renames the written file or folder to `NAME` in the target folder, replacing one that stands
   /// there. A reader of that name finds the old or the new one, whole. Throws
   /// `std::filesystem::filesystem_error`.
   void commit();
@@ -48,8 +48,8 @@ void make_temporary_folders(const std::filesystem::path& path);
 /// folders and the listener below are the only global state of the library.
 void remove_temporaries() noexcept;
 
-/// Sets the function that is told of each folder from which the remains of `count` killed processes
-/// were removed. Without one, they are removed silently.
+/// Sets the function that is called for each folder from which the remains of `count` killed
+/// processes were removed. Without one, they are removed silently.
 void on_remains_removed(
     std::function<void(const std::filesystem::path& folder, size_t count)> listener);
 

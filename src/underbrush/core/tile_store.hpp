@@ -24,11 +24,11 @@ inline constexpr double kTileMarginM = 10;
 /// Options of `TileStore`.
 struct TileOptions {
   double tile_m = 32;  ///< m; side of a square tile in x and y.
-  /// A fuller tile is thinned out evenly; what it loses is counted.
+  /// A fuller tile is thinned out evenly; the points that it loses are counted.
   size_t max_points_per_tile = 4'000'000;
   size_t memory_bytes = size_t(1) << 30;  ///< Points held in memory, in bytes; further points go to
                                           ///< disk.
-  std::filesystem::path spill_folder;     ///< Empty: the system's folder for temporary files.
+  std::filesystem::path spill_folder;     ///< Empty means the system's folder for temporary files.
 };
 
 /// Index of a tile, which covers [i, i+1) × [j, j+1) in units of the tile's side.

@@ -5,8 +5,8 @@
 
 namespace underbrush::credit {
 
-/// A Beta prior, written as the hits a and misses b that count before any beam was seen: p_hit =
-/// (hits + a) / (hits + misses + a + b).
+/// A Beta prior, written as the hits a and misses b that count before any beam: p_hit = (hits + a)
+/// / (hits + misses + a + b).
 struct HitPrior {
   double a = 0, b = 1;
   /// The mean of p without any trial; 1 where a = b = 0.

@@ -10,12 +10,12 @@
 
 namespace underbrush::credit {
 
-/// Some of the ground plane, in cells of 4 m.
+/// A part of the ground plane, in cells of 4 m.
 class GroundArea {
  public:
   /// An empty area that can hold places between `low` and `high` (m, x and y).
   GroundArea(const Eigen::Vector2d& low, const Eigen::Vector2d& high);
-  /// Adds the cells that a box touches; what lies beyond the area's bounds is left out.
+  /// Adds the cells that a box touches; places beyond the area's bounds are left out.
   void add(const Eigen::Vector2d& low, const Eigen::Vector2d& high);
   /// Whether the way from `from` by `step` touches a cell of the area, seen from above (m).
   bool is_crossed(const Eigen::Vector2d& from, const Eigen::Vector2d& step) const;

@@ -1,5 +1,5 @@
 /// \file
-/// Which element of a model explains each return of a log.
+/// The elements of a model that explain the returns of a log.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -13,7 +13,7 @@ struct HeldOut {
   uint64_t seed = 1;
   /// Whether beam `i` of the log is held out.
   bool operator()(const BeamLog& log, size_t i) const;
-  /// The same of each beam of a log.
+  /// Whether each beam of a log is held out.
   std::vector<uint8_t> of(const BeamLog& log) const;
 };
 
@@ -26,7 +26,7 @@ inline constexpr size_t kLongLog = 1'000'000;
 struct BeamShare {
   static constexpr unsigned kParts = 8;
   unsigned first = 0, last = kParts;
-  /// How many beams each one stands for.
+  /// The number of beams of the log for which each beam of the share counts.
   unsigned weight() const { return kParts / (last - first); }
   bool is_all() const { return first == 0 && last == kParts; }
   bool operator==(const BeamShare&) const = default;

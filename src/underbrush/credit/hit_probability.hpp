@@ -16,8 +16,8 @@
 #include "underbrush/trace/world.hpp"
 
 namespace underbrush {
-/// Which elements of a model explain the returns of a log, and what follows from it: hit
-/// probabilities, noise, classes.
+/// The elements of a model that explain the returns of a log, and the quantities that are derived
+/// from them: hit probabilities, noise, classes.
 namespace credit {
 
 /// The options of `count_hits`.
@@ -45,7 +45,7 @@ enum class Credit : uint8_t { kNothing, kHit, kMiss };
 ///
 /// An ellipsoid explains the measured point if its Mahalanobis distance to it is below a threshold,
 /// a triangle if its residual along the beam is below `max_residual_for_hit_m`. The rules differ in
-/// who gets the hit:
+/// the choice of the element that gets the hit:
 ///
 /// - `first` [tallavajhula18]: the first element that explains the point (threshold τ) gets the
 ///   hit, and all before it a miss. Where no element explains the point, all elements before the

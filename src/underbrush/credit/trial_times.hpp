@@ -1,6 +1,6 @@
 /// \file
-/// This file has the times of the hits and misses of an element, by which what moved away is told
-/// from thin matter.
+/// This file has the times of the hits and misses of an element, which distinguish things that
+/// moved away from thin matter.
 #pragma once
 #include <cstdint>
 
@@ -27,8 +27,8 @@ struct TrialTimes {
   /// Whether the hits came within a short part of the time in which beams crossed the element:
   /// their times spread less than `kBriefSpread` of those of all trials. Hits and misses at thin
   /// matter that stays alternate, whereas something that moves stops beams while it is there and
-  /// lets them pass before and after. Trials within `kLeastSpreadS` say nothing, and single hits
-  /// neither.
+  /// lets them pass before and after. Trials within `kLeastSpreadS`, and single hits, do not
+  /// suffice.
   bool are_brief() const;
 };
 

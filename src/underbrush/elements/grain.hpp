@@ -1,6 +1,6 @@
 /// \file
-/// The grain of the matter: the size of what a beam meets as one, such as a leaf, a twig or a
-/// stone.
+/// The grain of the matter: the size of the pieces that beams meet as one, such as a leaf, a twig
+/// or a stone.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -39,7 +39,7 @@ struct Grain {
     for (ClassGrain& c : classes) c.side_m *= side_m / ellipsoid_m;
     ellipsoid_m = side_m;
   }
-  /// Throws std::invalid_argument unless the sides are positive and `classes` is as it says.
+  /// Throws std::invalid_argument unless the sides are positive and `classes` is as described.
   void check() const;
 };
 

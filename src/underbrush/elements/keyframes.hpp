@@ -1,6 +1,6 @@
 /// \file
-/// Keyframes: range images of what the sensor measured from some places of a log, kept in a model
-/// so that simulations near these places answer as the sensor did there.
+/// Keyframes: range images of the measurements of a sensor from some places of a log, kept in a
+/// model so that simulations near these places answer as the sensor did there.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -33,11 +33,11 @@ struct Keyframe {
   std::vector<KeyframePixel> pixels;  ///< Row by row; end points are relative to `origin`.
 };
 
-/// How far keyframes are to be trusted in one situation: the answer to a beam is the mixture
+/// The trust in keyframes in one situation, as weights: the answer to a beam is the mixture
 ///
 ///   w N_model + Σ_k r_k Σ_s c_s N(z_k, σ_s²)
 ///
-/// of the answer of the elements and the ranges z_k of the pixels seen along the beam, where a
+/// of the answer of the elements and the ranges z_k of the pixels found along the beam, where a
 /// pixel without a return stands for a miss. The weights w and r_k sum to 1, and so do the c_s. The
 /// weight of a pixel that is unknown goes to the elements.
 struct KeyframeTrust {
@@ -52,18 +52,18 @@ struct KeyframeTrust {
 struct Keyframes {
   /// Number of keyframes that are queried for one beam, and of pixels in each of them.
   static constexpr size_t kFrames = 2, kPixelsOfFrame = KeyframeTrust::kPixels / kFrames;
-  /// A situation is an interval of the distance to the nearest keyframe and a class of how well the
-  /// pixels agree (`agreement`). These are the upper bounds of the intervals (m); beyond the last
-  /// one keyframes are not used.
+  /// A situation is an interval of the distance to the nearest keyframe and a class of the
+  /// agreement of the pixels (`agreement`). These are the upper bounds of the intervals (m); beyond
+  /// the last one keyframes are not used.
   static constexpr std::array<double, 6> kDistances{0.05, 0.3, 0.8, 1.6, 4, 8};
   static constexpr size_t kAgreements = 7, kSituations = kDistances.size() * kAgreements;
 
-  std::vector<double> elevation;  ///< rad, of the rows, ascending, in the frame of the sensor.
-  /// The sensor's channels of the rows; empty where the log has none. What lies between the rows is
-  /// unknown, so beams of other channels are not answered.
+  std::vector<double> elevation;  ///< Elevations of the rows in the sensor's frame, rad, ascending.
+  /// The sensor's channels of the rows; empty where the log has none. Directions between the rows
+  /// are unknown, so beams of other channels are not answered.
   std::vector<uint16_t> channel;
-  size_t columns = 0;         ///< Equal steps of azimuth over the whole turn.
-  double unit_m = 0;          ///< m a step of a pixel's coordinates.
+  size_t columns = 0;         ///< Number of equal steps of azimuth over the whole turn.
+  double unit_m = 0;          ///< Step of a pixel's coordinates, m.
   double intensity_unit = 0;  ///< Intensity of a step; 0 where the log has none.
   std::vector<Keyframe> frames;
   std::array<KeyframeTrust, kSituations> trust;
@@ -79,13 +79,13 @@ struct Keyframes {
   void check() const;
 };
 
-/// Classifies how well the ranges (m; infinite for a miss) of the pixels found for a beam agree.
+/// Classifies the agreement of the ranges (m; infinite for a miss) of the pixels found for a beam.
 /// The result is 0 if no pixel has a return, 1 if most have none, and 2 if some have none. If all
 /// have one, it is 3, 4 or 5 for ranges within 0.15, 0.5 or 2 m of each other, else 6.
 size_t agreement(const double* range_m, size_t count);
 
-/// Where directions lie in the keyframes' image. Angles are those of the sensor's frame; its x axis
-/// has the azimuth 0. Their error is below 10⁻⁵ rad.
+/// The places of directions in the keyframes' image. Angles are those of the sensor's frame; its x
+/// axis has the azimuth 0. Their error is below 10⁻⁵ rad.
 class KeyframeGrid {
  public:
   struct Place {

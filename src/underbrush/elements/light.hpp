@@ -17,7 +17,7 @@ struct Reflectance {
 
 /// A function that is linear between knots and constant beyond the first and the last.
 struct Gain {
-  std::vector<double> at;    ///< Where the knots are, in rising order.
+  std::vector<double> at;    ///< The places of the knots, in rising order.
   std::vector<double> gain;  ///< The value at each knot, positive.
 
   /// The two knots about `x` and the weight of the second.
@@ -43,7 +43,7 @@ struct Light {
 
   /// Whether the light was learnt, from a log with intensities.
   bool known() const { return max_intensity > 0; }
-  /// f(r) g(c) h(n); `same_sensor` tells whether h applies.
+  /// f(r) g(c) h(n); h counts only with `same_sensor`.
   double response(double range_m, double cosine, bool is_ellipsoid, uint32_t ring_number,
                   bool same_sensor) const;
   /// Throws `std::invalid_argument` where a part is inconsistent.

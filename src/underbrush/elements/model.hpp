@@ -70,7 +70,7 @@ struct Ellipsoid {
 /// Kinds of scene elements, in the order in which a model numbers its elements.
 enum class Kind : uint8_t { kGround, kSurface, kEllipsoid };
 
-/// Where a model keeps an element: the array of its kind and its index there.
+/// The place of an element in a model: the array of its kind and its index there.
 struct ElementPlace {
   Kind kind = Kind::kGround;
   uint32_t index = 0;
@@ -79,7 +79,7 @@ struct ElementPlace {
 /// The whole model of which a model is a part. Elements keep their numbers in a part, so that
 /// random draws are the same as in the whole model.
 struct PartOf {
-  std::array<uint32_t, 3> counts{};  ///< How many elements the whole has, by `Kind`.
+  std::array<uint32_t, 3> counts{};  ///< Numbers of elements of the whole, by `Kind`.
   /// The place of each element of the part in its array of the whole, ascending, by `Kind`.
   std::array<std::vector<uint32_t>, 3> numbers;
   /// The whole's `mean_reflectance`, by `Kind`.

@@ -1,5 +1,5 @@
 /// \file
-/// The space that the beams of a log crossed, and what beams are expected to meet in the rest.
+/// The space that the beams of a log crossed, and the expected density of matter in the rest.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -52,9 +52,9 @@ struct ObservedSpace {
   static constexpr double kGroundM = 0.5;  ///< A beam is near the ground below this height, m.
 
   double cell_m = 1;                  ///< Side of the cells.
-  std::vector<ObservedBlock> blocks;  ///< In the order of `at`; cells of others are unknown.
+  std::vector<ObservedBlock> blocks;  ///< Blocks in the order of `at`; all other cells are unknown.
   std::array<std::array<float, kRanges>, kHeights> density_per_m{};  ///< κ, 1/m.
-  std::vector<LostBeams> lost;  ///< In the order of `at`; no beam was lost in other squares.
+  std::vector<LostBeams> lost;  ///< Squares in the order of `at`; others lost no beam.
   /// The probability by range that a beam which comes near the ground returns.
   std::array<float, kRanges> ground_returns{1, 1, 1, 1, 1, 1, 1};
 

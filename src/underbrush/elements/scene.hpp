@@ -34,8 +34,8 @@ struct Mover {
 struct Scene {
   std::vector<Model> models;
   std::vector<Instance> instances;
-  /// The numbers of the instances in the whole scene of which this is a part, by which they draw,
-  /// ascending; empty where the scene is whole.
+  /// The numbers of the instances in the whole scene of which this is a part, ascending; random
+  /// numbers are drawn by them. Empty where the scene is whole.
   std::vector<uint32_t> numbers;
 
   /// The number of an instance in the whole scene.

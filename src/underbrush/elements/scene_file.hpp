@@ -22,15 +22,15 @@ struct SceneMaterial {
   std::vector<std::pair<double, double>> reflectance;
 };
 
-/// What a scene's folder holds besides the scene.
+/// The contents of a scene's folder besides the scene: names, classes, materials and movers.
 struct SceneInfo {
-  std::vector<std::string> names;  ///< One for each model.
-  std::vector<Class> labels;       ///< One for each instance; `kGround` for the ground.
+  std::vector<std::string> names;  ///< The name of each model.
+  std::vector<Class> labels;       ///< The class of each instance; `kGround` for the ground.
   /// Names of the classes that this scene has besides `kClassNames`, whose numbers follow those.
   std::vector<std::string> class_names;
   std::vector<SceneMaterial> own_materials;  ///< Materials besides those of the table.
-  /// One for each model: its material (radiometry), where "" means that its class decides. Empty =
-  /// all "".
+  /// The material (radiometry) of each model, where "" means that its class decides. Empty = all
+  /// "".
   std::vector<std::string> materials;
   /// Instances that move.
   std::vector<Mover> movers;
@@ -54,7 +54,7 @@ void write_scene(const std::filesystem::path& path, const Scene& scene, const Sc
 /// computation.
 void check_scene_output(const std::filesystem::path& path);
 
-/// Reads a scene folder, and into `info` (unless null) what it holds besides the scene. Throws
+/// Reads a scene folder, and the rest of its contents into `info` (unless null). Throws
 /// `FormatError` for anything that is not a whole, consistent scene.
 Scene read_scene(const std::filesystem::path& path, SceneInfo* info = nullptr);
 

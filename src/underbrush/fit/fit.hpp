@@ -1,5 +1,5 @@
 /// \file
-/// This file declares `fit`, which turns a log into a model: it sorts points into tiles, tells
+/// This file declares `fit`, which turns a log into a model: it sorts points into tiles, separates
 /// ground from the rest, makes elements of both, and estimates hit probabilities from the beams.
 #pragma once
 #include "underbrush/core/beam_log.hpp"

@@ -47,10 +47,10 @@ struct FitOptions {
   /// (`learn_offsets`), taken away from the ranges and kept in the model. Logs that do not name
   /// their sensor have none.
   bool ranges_as_given = false;
-  /// Ellipsoids of what moved away are dropped as free space. An ellipsoid is dropped where hits /
-  /// (hits + misses) is below this, at least `free_space_beams` beams met it, and its hits came
-  /// within a short part of the time (`credit::TrialTimes::are_brief`), which those of thin matter
-  /// do not.
+  /// Ellipsoids of things that moved away are dropped as free space. An ellipsoid is dropped where
+  /// hits / (hits + misses) is below this, at least `free_space_beams` beams met it, and its hits
+  /// came within a short part of the time (`credit::TrialTimes::are_brief`), which those of thin
+  /// matter do not.
   double free_space_below = 0.2;
   uint32_t free_space_beams = 20;
   /// m; side of the cells of the map of observed space (`calibrate::learn_observed_space`), for

@@ -33,7 +33,7 @@ FitResult start_of_refinement(BeamSource& source, const FitOptions& options,
 /// Puts a refined model in the place of the start.
 void take_refined(likelihood::Refined refined, const FitOptions& options, FitResult& out);
 
-/// Learns from the log what is not the model's geometry. The model has the offsets of its channels.
+/// Learns all but the geometry of the model from the log. The model has its channels' offsets.
 void learn_the_rest(FitBeams& beams, const FitOptions& options, const Fitter& fitter,
                     FitResult& out);
 

@@ -16,7 +16,7 @@ struct TileRecord {
   TileKey key;
   uint64_t points = 0;  ///< Returns that the tile was fitted to.
   uint64_t later = 0;   ///< Returns that updates have met in it since, without fitting it anew.
-  uint64_t unexplained = 0;  ///< How many of `later` no element explains.
+  uint64_t unexplained = 0;  ///< Returns of `later` that no element explains.
   uint32_t ellipsoids = 0;  ///< The model holds the ellipsoids of its tiles one tile after another.
   ground::SparseSums ground;  ///< The tile's part of the ground's normal equations.
 };

@@ -1,5 +1,5 @@
 /// \file
-/// What a fit returns.
+/// The result of a fit: a model, a report and the record of its tiles.
 #pragma once
 #include <cstddef>
 #include <functional>
@@ -20,23 +20,23 @@ namespace underbrush::fit {
 struct FitReport {
   size_t beams = 0, hits = 0, misses = 0;
   size_t ground_points = 0, other_points = 0;
-  size_t mover_points = 0;           ///< Left out because they have the flag `kMover`.
-  size_t near_points = 0;            ///< Left out because they are nearer than `min_range_m`.
-  size_t far_points = 0;             ///< Beyond the maximum range of the log.
-  size_t carved_triangles = 0;       ///< Dropped because of `surface.carve`.
-  size_t thinned_points = 0;         ///< Left out because their tile was full.
-  size_t unclustered_points = 0;     ///< In no cluster of at least `min_points`.
-  size_t free_space_ellipsoids = 0;  ///< Dropped as free space.
+  size_t mover_points = 0;           ///< Points left out because of the flag `kMover`.
+  size_t near_points = 0;            ///< Points left out because nearer than `min_range_m`.
+  size_t far_points = 0;             ///< Points beyond the maximum range of the log.
+  size_t carved_triangles = 0;       ///< Triangles dropped because of `surface.carve`.
+  size_t thinned_points = 0;         ///< Points left out because their tile was full.
+  size_t unclustered_points = 0;     ///< Points in no cluster of at least `min_points`.
+  size_t free_space_ellipsoids = 0;  ///< Ellipsoids dropped as free space.
   size_t tiles = 0;
   likelihood::LikelihoodReport likelihood;  ///< Has steps only if the fitter is `likelihood`.
   calibrate::GrainReport grain;
   calibrate::LeafAngleReport leaf_angles;
   calibrate::SwayReport sway;
-  calibrate::EchoGrainReport echo_grain;  ///< Learnt only from several echoes a beam.
+  calibrate::EchoGrainReport echo_grain;  ///< Learnt only from several echoes per beam.
   std::vector<std::string> warnings;
 };
 
-/// A model, the report of its fit, and what `update` needs to know of it.
+/// A model, the report of its fit, and the record that `update` needs.
 struct FitResult {
   elements::Model model;
   FitReport report;

@@ -23,7 +23,7 @@ void gather(BeamSource& source, const FitOptions& options, TileStore& store, Fit
 /// The tile in which a point (m) lies, for tiles of the side `tile_m` (m).
 TileKey tile_of(const Vec3f& point, double tile_m);
 
-/// Some tiles.
+/// A set of tiles.
 class TileSet {
  public:
   TileSet(const std::vector<TileKey>& tiles, double tile_m);

@@ -7,8 +7,8 @@
 
 namespace underbrush::fit {
 
-/// Gives the beams of another source. What was read once stays in memory if the whole log takes at
-/// most some bytes; a longer log is read again in each pass.
+/// The beams of another source. Beams that are read stay in memory if the whole log takes at most
+/// some bytes; a longer log is read again in each pass.
 class KeptBeams : public BeamSource {
  public:
   /// `source` must outlive it, and nothing else may read from it meanwhile.
@@ -23,8 +23,8 @@ class KeptBeams : public BeamSource {
  private:
   BeamSource& source_;
   size_t most_bytes_, at_ = 0;
-  std::vector<BeamLog> kept_;  ///< The source stands behind these.
-  bool is_long_ = false;       ///< Nothing is kept.
+  std::vector<BeamLog> kept_;  ///< The chunks read so far; the source is behind them.
+  bool is_long_ = false;       ///< Whether the log is too long to be kept.
 };
 
 }  // namespace underbrush::fit

@@ -13,7 +13,7 @@ inline constexpr std::string_view kCommon = "every fitter", kHierarchical = "hie
                                   kSurface = "surface, rimls", kGround = "ground",
                                   kEllipsoids = "ellipsoids", kHitProbability = "hit probability",
                                   kLikelihood = "likelihood";
-/// All of them, in the order of reference pages.
+/// All groups, in the order of reference pages.
 inline constexpr std::string_view kAll[] = {kCommon,         kHierarchical, kVoxel,  kTopDown,
                                             kBottomUp,       kSurface,      kGround, kEllipsoids,
                                             kHitProbability, kLikelihood};

@@ -21,15 +21,15 @@ enum class Scale {
   kWhole,  ///< Linear, rounded to whole numbers.
 };
 
-/// The range in which a search looks for the value of a parameter.
+/// The range in which a search varies the value of a parameter.
 struct TuningRange {
   double low = 0, high = 1;
   Scale scale = Scale::kLinear;
-  bool usual = true;  ///< Tuned unless the user names the parameters to tune.
+  bool usual = true;  ///< Whether it is tuned if the user names no parameters to tune.
 };
 
-/// Where a parameter is listed. Every one is a key of configurations and has its row in
-/// docs/reference/parameters.md.
+/// The place where a parameter is listed. Every parameter is a key of configurations and has its
+/// row in docs/reference/parameters.md.
 enum class Listed {
   kHelp,       ///< `--help`.
   kHelpAll,    ///< `--help-all`.

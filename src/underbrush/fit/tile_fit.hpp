@@ -14,17 +14,17 @@ namespace underbrush::fit {
 /// border cuts a voxel.
 TileOptions tile_options(const FitOptions& options);
 
-/// In the list of `fit_tiles`: the ellipsoid is new.
+/// The number of a new ellipsoid in the list of `fit_tiles`.
 inline constexpr uint32_t kNewEllipsoid = std::numeric_limits<uint32_t>::max();
 
 /// Fits the tiles `anew` (ascending, all in `store`) and makes the ground mesh of all tiles.
 ///
-/// `out` holds what stays: the tiles of its record that are not in `anew` keep their ellipsoids,
-/// bit for bit, and their part of the ground's equations. The other tiles are replaced by, or get,
-/// what the points of the store give: ground is told from the rest with the points within
-/// `kTileMarginM`, and the rest is clustered by `options.fitter`. Ellipsoids come in the order of
-/// the tiles. The counts of the ground mesh are empty. Returns for each ellipsoid its number
-/// before, or `kNewEllipsoid`.
+/// The tiles of the record of `out` that are not in `anew` keep their ellipsoids, bit for bit,
+/// and their part of the ground's equations. The tiles in `anew` are replaced or added by the
+/// points of the store: the ground is segmented with the points within `kTileMarginM`, and the
+/// other points are clustered by `options.fitter`. Ellipsoids come in the order of the tiles. The
+/// counts of the ground mesh are empty. Returns for each ellipsoid its number before, or
+/// `kNewEllipsoid`.
 std::vector<uint32_t> fit_tiles(const TileStore& store, const std::vector<TileKey>& anew,
                                 const FitOptions& options, FitResult& out,
                                 const FitProgress& progress);

@@ -1,6 +1,6 @@
 /// \file
-/// What a model's folder keeps of its training: the parameters of the fit, its logs and its tiles,
-/// in the folder `training`. Layout: docs/reference/formats.md.
+/// The training of a model on disk: the parameters of the fit, its logs and its tiles, in the
+/// folder `training` of the model. Layout: docs/reference/formats.md.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -18,7 +18,7 @@ struct TrainingLog {
   uint64_t beams = 0;
 };
 
-/// How a model was made, as far as `update` needs it.
+/// The data on the making of a model that `update` needs.
 struct Training {
   /// The parameters (`parameters`), the seed and the recorder; the footprint is not in it.
   FitOptions options;

@@ -9,8 +9,8 @@ namespace underbrush::ground {
 
 /// Delaunay triangulation of integer points in [0, side]² and of the four corners of a frame one
 /// step around them. Its predicates are exact, so that grids, whose points lie on common circles
-/// and lines, are no special case. How four points on one circle are split depends only on the
-/// order of insertion. A point takes about a microsecond if it lies near the one before it.
+/// and lines, are no special case. The split of four points on one circle depends only on the order
+/// of insertion. A point takes about a microsecond if it lies near the one before it.
 class GridDelaunay {
  public:
   using Point = std::array<int, 2>;

@@ -13,7 +13,7 @@ struct PlaneGrid {
   struct Plane {
     double h = 0, gx = 0, gy = 0;
   };
-  int nx = 0, ny = 0;  ///< Number of cells along x.
+  int nx = 0, ny = 0;  ///< Numbers of cells along x and along y.
   double cell_m = 0;   ///< m; side of a cell.
   std::vector<Plane> planes;
 

@@ -1,5 +1,5 @@
 /// \file
-/// The normal equations of some points in little space: what a `HeightGrid` needs of the points of
+/// The normal equations of some points in little space, in which a `HeightGrid` gets the points of
 /// a tile that is kept.
 #pragma once
 #include <cstdint>

@@ -24,8 +24,8 @@ class AtomicFile {
   /// other kind, or as a device or pipe.
   explicit AtomicFile(const std::filesystem::path& path, OutputKind kind = OutputKind::kFile);
 
-  /// Returns the path to write to. Without `commit()` what lies there is removed when this object
-  /// is destroyed, or by `remove_temporaries()`.
+  /// Returns the path to write to. Without `commit()` the file or folder there is removed when this
+  /// object is destroyed, or by `remove_temporaries()`.
   const std::filesystem::path& temporary() const { return temporary_->path(); }
   /// Renames the result to `path`, replacing a file or folder there. Throws `IoError`.
   void commit();
@@ -36,8 +36,8 @@ class AtomicFile {
 };
 
 /// Calls `write(temporary)` with a place beside `path`, then renames the file or folder that
-/// `write` made to `path`, replacing what stood there. If `write` throws, its output is removed.
-/// Throws `IoError` (one line that names the file) where the file system refuses.
+/// `write` made to `path`, replacing a file or folder there. If `write` throws, its output is
+/// removed. Throws `IoError` (one line that names the file) where the file system refuses.
 void write_atomically(const std::filesystem::path& path,
                       const std::function<void(const std::filesystem::path&)>& write,
                       OutputKind kind = OutputKind::kFile);
@@ -48,8 +48,8 @@ void write_atomically(const std::filesystem::path& path, std::string_view bytes)
 /// Throws the `IoError` that writing to `path` would end with (no such folder, no permission, path
 /// exists as another kind). Callers use it before a long computation.
 void check_output(const std::filesystem::path& path, OutputKind kind = OutputKind::kFile);
-/// The same for a folder, which replaces one that stands there only if that is empty or `is_ours`.
-/// `what` tells what it is else, such as "not a model".
+/// The check for a folder, which may replace one that stands there only if that is empty or
+/// `is_ours`. `what` describes any other folder, such as "not a model".
 void check_output_folder(const std::filesystem::path& path, bool is_ours, const std::string& what);
 
 }  // namespace io

@@ -48,7 +48,7 @@ struct DriverCloud {
 DriverCloud driver_cloud(BeamLog scan, DriverLayout driver, const ScanInfo& info,
                          const Trajectory& world_from_sensor);
 
-/// Writes the folder `path`, atomically: NNNNNN.pcd a scan, numbered from 0, times.txt (s),
+/// Writes the folder `path`, atomically: NNNNNN.pcd for each scan, numbered from 0, times.txt (s),
 /// poses.txt (TUM, world from sensor at these times) and underbrush.json (provenance; marks the
 /// folder as ours). `world_from_sensor` is the path of the sensor; if empty it is that of the log's
 /// scans, or, where beams share their scan's pose, that pose. Holds one scan in memory. Throws
@@ -58,8 +58,8 @@ void export_driver_layout(const std::filesystem::path& path, BeamSource& source,
                           DriverLayout driver, const Trajectory& world_from_sensor,
                           const std::string& provenance);
 
-/// What a format cannot hold of a log with echoes, for people; empty if it holds all. `format` as
-/// for `export_log`, or the name of a driver's layout.
+/// Returns the data of a log with echoes that a format cannot hold, in words; empty if it holds
+/// all. `format` as for `export_log`, or the name of a driver's layout.
 std::string lost_in(const std::string& format);
 
 }  // namespace underbrush::io

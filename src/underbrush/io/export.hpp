@@ -22,7 +22,7 @@ inline constexpr const char* kPcdFields = "FIELDS x y z intensity time ring scan
 ///   poses_velo.txt.
 /// - "csv": one row for each beam, misses included (hit = 0, x y z at the maximum range), with the
 ///   extra columns.
-/// - "ply", "ublog": a log, as `LogWriter` writes it; the path's name tells in which format.
+/// - "ply", "ublog": a log, as `LogWriter` writes it; in the format of the path's extension.
 ///
 /// An empty `format` is chosen by the extension: the name without its dot; a path without one means
 /// "kitti". Throws `std::invalid_argument` for an unknown format, and for "kitti" where a beam's

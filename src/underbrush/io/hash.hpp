@@ -1,5 +1,5 @@
 /// \file
-/// Hashes of files, by which results name what they were made from.
+/// Hashes of files, by which results identify their inputs.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -13,7 +13,7 @@ namespace underbrush::io {
 std::string hash_of(const std::filesystem::path& path);
 /// Returns the hash of several files and folders in this order, as of one folder.
 std::string hash_of_all(const std::vector<std::filesystem::path>& paths);
-/// Returns the number of bytes of a file, or of all files of a folder; 0 for what is neither.
+/// Returns the number of bytes of a file, or of all files of a folder; 0 for anything else.
 uint64_t size_of(const std::filesystem::path& path);
 
 }  // namespace underbrush::io

@@ -14,8 +14,8 @@
 
 namespace underbrush::io {
 
-/// A value in a JSON file. What a caller expects of it and does not find is thrown as a
-/// `FormatError` with the value's place, such as "objects[3].box_m".
+/// A value in a JSON file. Its functions throw a `FormatError` where the value is not as expected,
+/// with its place, such as "objects[3].box_m".
 class JsonValue {
  public:
   /// Throws `FormatError` with this value's place.
@@ -34,7 +34,7 @@ class JsonValue {
   /// Returns a whole number in [0, most].
   uint64_t count(uint64_t most = uint64_t(1) << 53) const;
   bool boolean() const;
-  /// Returns a text; `what` says in an error what was expected.
+  /// Returns a text; `what` names the expected value in an error.
   std::string text(const char* what = "a text") const;
   Vec3 vector() const;                            ///< A list of three finite numbers.
   std::vector<double> numbers() const;            ///< A list of finite numbers.
@@ -65,7 +65,7 @@ class JsonFile {
  public:
   /// Reads `path`. Throws `FormatError` if it cannot be read or is not JSON (then with the line).
   explicit JsonFile(const std::filesystem::path& path);
-  /// Takes `text` as the content of a file of this path. Throws likewise.
+  /// Takes `text` as the content of a file of this path. Throws `FormatError` if it is not JSON.
   JsonFile(const std::filesystem::path& path, const std::string& text);
   ~JsonFile();
   JsonFile(const JsonFile&) = delete;
@@ -73,8 +73,8 @@ class JsonFile {
 
   JsonValue root() const;
   /// Returns `root()` of a manifest: an object whose member `format` is `format` and whose
-  /// `version` is at most `newest`. `what` says in words what else the file is not, such as "an
-  /// underbrush model".
+  /// `version` is at most `newest`. `what` names the expected kind of file in the error, such as
+  /// "an underbrush model".
   JsonValue manifest(const char* format, uint64_t newest, const char* what) const;
 
  private:

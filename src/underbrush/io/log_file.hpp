@@ -15,10 +15,10 @@ namespace underbrush::io {
 /// Whether the name is one of a log of either format: it ends in .ply or .ublog.
 bool is_log_name(const std::filesystem::path& path);
 
-/// Which rows of a log are wanted. By default all are.
+/// The choice of the rows of a log. By default all rows are wanted.
 struct LogWindow {
-  double first_s = -std::numeric_limits<double>::infinity();  ///< s; no row before.
-  double last_s = std::numeric_limits<double>::infinity();    ///< s; no row after.
+  double first_s = -std::numeric_limits<double>::infinity();  ///< s; time of the first rows wanted.
+  double last_s = std::numeric_limits<double>::infinity();    ///< s; time of the last rows wanted.
   /// m, world; where one of them is finite, only returns in the box are wanted, and no misses.
   Vec3 least = Vec3::Constant(-std::numeric_limits<double>::infinity());
   Vec3 most = -least;
@@ -28,7 +28,7 @@ struct LogWindow {
   bool has(const BeamLog& log, size_t i) const;
 };
 
-/// Reads a log of either format in chunks; the file's first bytes tell which it is. Throws
+/// Reads a log of either format in chunks; the file's first bytes determine which. Throws
 /// `FormatError` as soon as it finds damage.
 class LogReader : public BeamSource {
  public:
@@ -83,7 +83,7 @@ class LogWriter {
  public:
   LogWriter(const std::filesystem::path& path, const LogInfo& info, const std::string& provenance,
             const LogWriterOptions& options = {});
-  /// Removes what was written if `close()` was not called.
+  /// Removes the unfinished file if `close()` was not called.
   ~LogWriter();
   /// Appends beams. All chunks must carry the same extra columns as the first one.
   void write(const BeamLog& chunk);

@@ -1,6 +1,6 @@
 /// \file
-/// What the reader and the writer of log files share: names of columns, comments in the header, and
-/// the rounding of rays. It is internal to the module; the layout is described in
+/// The parts that the reader and the writer of log files share: names of columns, comments in the
+/// header, and the rounding of rays. It is internal to the module; the layout is described in
 /// docs/reference/formats.md.
 #pragma once
 #include <algorithm>
@@ -14,13 +14,13 @@
 
 namespace underbrush::io {
 
-/// What Underbrush's own comments in a log's header say.
+/// The contents of Underbrush's own comments in a log's header.
 struct LogComments {
   bool ours = false;  ///< Whether Underbrush wrote the file.
   LogInfo info;
-  bool pad_range = false;  ///< The maximum range has a fixed width, to be overwritten in place.
-  bool colours = false;    ///< red, green and blue are columns of the log, not a grey derived from
-                           ///< the intensity.
+  bool pad_range = false;  ///< Whether the maximum range has a fixed width, for overwriting.
+  bool colours = false;    ///< Whether red, green and blue are columns of the log, not a grey
+                           ///< derived from the intensity.
   std::string provenance;
   /// Columns that are stored in a wider type than they have in memory.
   std::map<std::string, ValueType> narrow;

@@ -9,7 +9,7 @@
 
 namespace underbrush::io {
 
-/// Why a row is left out.
+/// The reason for which a row is left out.
 enum RowFault : uint8_t { kNoFault, kNotFinite, kZeroLength, kTooLarge };
 
 /// The rows of an open log file.

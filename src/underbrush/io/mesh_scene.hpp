@@ -28,14 +28,14 @@ struct MeshPart {
   std::string object, material;  ///< Names; empty where the file has none.
 };
 
-/// A mesh file with all that decides what a beam meets.
+/// A mesh file with all of its data that affect the beams.
 struct MeshScene {
   std::vector<Vec3> vertices;  ///< In the unit and axes of the file, as precise as there.
   std::vector<std::array<uint32_t, 3>> triangles;  ///< In the order of the file.
   std::vector<uint32_t> part;                      ///< Index into `parts`, one for each triangle.
   std::vector<MeshPart> parts;                     ///< In the order of their first triangles.
   std::vector<MeshMaterial> materials;
-  /// Number of things that the file has and this reader does not use, by what they are.
+  /// Number of things in the file that this reader does not use, by kind.
   std::map<std::string, size_t> left_out;
 
   /// Appends a triangle of the part that `of` describes.

@@ -27,9 +27,9 @@ struct FrameRange {
 /// An open log. Either `beams` is set (every beam has its own origin) or `scans` (points in the
 /// sensor's frame).
 struct Input {
-  std::shared_ptr<const Unpacked> unpacked;  ///< The file itself, if it was packed.
+  std::shared_ptr<const Unpacked> unpacked;  ///< The unpacked file, if the file was packed.
   std::string format;                        ///< Name of the format, one of `input_formats()`.
-  bool is_log = false;                       ///< `LogReader` reads the file itself.
+  bool is_log = false;                       ///< Whether `LogReader` reads the file itself.
   std::unique_ptr<BeamSource> beams;
   std::unique_ptr<ScanSource> scans;
   std::vector<ScanInfo> scan_infos;  ///< Number, time and pose of each scan that `scans` will

@@ -1,5 +1,5 @@
 /// \file
-/// The unit of the times that a recording gives its points.
+/// The unit of the times of the points of a recording.
 #pragma once
 #include <string>
 #include <vector>
@@ -8,10 +8,10 @@
 
 namespace underbrush::io {
 
-/// Turns columns of times into seconds, in the unit that the first scan of 20 points and more whose
-/// times differ tells.
+/// Turns columns of times into seconds, in the unit that is found in the first scan of 20 points
+/// and more whose times differ.
 ///
-/// A name that ends in _ns, _us, _ms or _s says the unit. Whole numbers are ns and others s, if
+/// A name that ends in _ns, _us, _ms or _s gives the unit. Whole numbers are ns and others s, if
 /// that fits: the times of a scan span at most 1.3 of the period and at least a twentieth of it or
 /// 20 ms. Else the unit is the one of ns, µs, ms and s that fits, or the values are shares of the
 /// scan's period. Where the period is not known, times of 1 ms and more fit in the usual unit, and
@@ -25,7 +25,7 @@ class PointTimes {
   /// `FormatError` where no unit fits.
   std::vector<double> seconds(const std::string& file, const std::string& name,
                               const ExtraColumn& column, double scan_time_s);
-  /// What was assumed; empty where the unit is the usual one.
+  /// The assumption that was made; empty where the unit is the usual one.
   const std::string& note() const { return note_; }
 
  private:

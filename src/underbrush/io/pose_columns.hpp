@@ -1,5 +1,5 @@
 /// \file
-/// The order of the columns of a pose file, as the line above them says it.
+/// The order of the columns of a pose file, as given in the line above them.
 #pragma once
 #include <array>
 #include <cstddef>

@@ -15,21 +15,21 @@ namespace underbrush::io {
 struct PoseList {
   std::vector<Pose> pose;
   std::vector<double> time_s;  ///< s; as long as `pose`; empty where the format has no times.
-  /// `time_s` are whole numbers that may be those of the scans, as in KITTI-360.
+  /// Whether `time_s` are whole numbers that may be those of the scans, as in KITTI-360.
   bool numbered = false;
-  std::vector<std::string> notes;  ///< What was assumed, one line each.
+  std::vector<std::string> notes;  ///< Assumptions of the reader, one line each.
 };
 
 /// Reads a file of poses. The format follows from the number of columns: 8 is TUM (t tx ty tz qx qy
 /// qz qw), 12 is KITTI (row-major 3×4), 13 is a time followed by KITTI's. A line above the rows
-/// that names time, position and quaternion says their order, among any number of columns. Times
+/// that names time, position and quaternion gives their order, among any number of columns. Times
 /// that are dates in ms, µs or ns become s. Throws `FormatError` for other rows, for quaternions
 /// whose length is not 1 within 0.005, for matrices that are not rotations within 0.005, and for a
 /// time that occurs twice.
 PoseList read_poses(const std::filesystem::path& path);
 
-/// Reads a file of poses with times as a trajectory; of a log (.ply), it is that of its scans.
-/// Throws `FormatError` where there are no times or no poses.
+/// Reads a file of poses with times as a trajectory; from a log (.ply, .ublog), the poses of its
+/// scans. Throws `FormatError` where there are no times or no poses.
 Trajectory read_trajectory(const std::filesystem::path& path);
 
 /// Returns the rigid transform that 12 numbers (row-major 3×4) describe; nothing if they are not

@@ -16,7 +16,7 @@ struct ScanClock {
   double residual_rms_s = 0;  ///< RMS of given minus fitted times, s; of the fitted scans.
   size_t fitted = 0;          ///< Number of scans that got another time.
   size_t kept = 0;            ///< Number of scans whose times no steady clock explains.
-  bool poses_follow = false;  ///< The poses got the fitted times, too (`poses_follow_clock`).
+  bool poses_follow = false;  ///< Whether poses got the fitted times, too (`poses_follow_clock`).
   std::vector<double> time_s;  ///< One for each given time, ascending; s.
 };
 
@@ -37,7 +37,7 @@ struct ScanClock {
 /// follows a steady clock.
 std::optional<ScanClock> fit_scan_clock(const std::vector<double>& times_s);
 
-/// Tells whether the poses that carry a recording's rounded times belong to the true instants of
+/// Returns whether the poses that carry a recording's rounded times belong to the true instants of
 /// the scans, as poses found from the scans do, and not to the rounded times, as those of a GPS/INS
 /// do. The times under which the motion is steadier are the poses' own: the mean change of velocity
 /// from one pose to the next is compared. `poses` have the rounded times; `fitted_s` has a time of

@@ -37,18 +37,18 @@ struct ScanPlacing {
   std::string times_name;            ///< File of the times, for error messages.
   bool points_in_world = false;      ///< The points are in the world frame, else in the sensor's.
   FrameRange frames;                 ///< Scans to read, by number.
-  bool fit_clock = false;            ///< Put scans whose times were rounded back on a steady clock.
+  bool fit_clock = false;            ///< Whether rounded times of scans get a steady clock.
   std::vector<std::string> columns;  ///< Names of the columns of files that have none.
   double unit_m = 1;                 ///< Unit of the points' coordinates, m.
   double period_s = 0;               ///< Time between scans, s, if there are no times.
 };
 
-/// Joins the files with their poses and times into a source. Sets `scans`, `scan_infos`,
-/// `clock`, `skipped` and `read_notes` of `input` and adds to its `notes`. An empty file of a
-/// folder is an empty scan, and counted. The clock is fitted to the times of
-/// all scans (`fit_scan_clock`), also those that are not selected; poses that have the scans' times
-/// get the clock's where their motion says that they follow it (`poses_follow_clock`). Throws
-/// `FormatError` where a selected scan has no pose or no time.
+/// Joins the files with their poses and times into a source. Sets `scans`, `scan_infos`, `clock`,
+/// `skipped` and `read_notes` of `input` and adds to its `notes`. An empty file of a folder is an
+/// empty scan, and counted. The clock is fitted to the times of all scans (`fit_scan_clock`), also
+/// those that are not selected; poses that have the scans' times get the clock's where their motion
+/// shows that they follow it (`poses_follow_clock`). Throws `FormatError` where a selected scan has
+/// no pose or no time.
 void place_scans(std::vector<ScanFile> files, const ScanPlacing& placing, Input& input);
 
 }  // namespace underbrush::io

@@ -16,7 +16,7 @@ namespace underbrush::io {
 struct Table {
   std::vector<std::pair<std::string, ExtraColumn>> columns;
   std::optional<Pose> viewpoint;   ///< Viewpoint of a PCD file, unless it is the identity.
-  std::vector<std::string> notes;  ///< What the reader assumed, one line each.
+  std::vector<std::string> notes;  ///< Assumptions of the reader, one line each.
 
   size_t size() const;
   /// Returns the first column with one of these names (letter case and a leading "scalar_" do not
@@ -32,14 +32,14 @@ struct Table {
 Table read_pcd(const std::filesystem::path& path);
 /// Reads a .bin file of 32-bit floats: KITTI's x y z intensity; also with a ring (nuScenes), and a
 /// time behind it (Boreas). The number of columns is the one of 4 to 6 with which the fourth is an
-/// intensity, the fifth a ring, and rows resemble each other most. `names` says the columns
-/// instead. Throws `FormatError`, also where that does not tell the number.
+/// intensity, the fifth a ring, and rows resemble each other most. `names` gives the columns
+/// instead. Throws `FormatError`, also where the number stays unknown.
 Table read_bin(const std::filesystem::path& path, const std::vector<std::string>& names = {});
 /// Reads a .npy file, or a .npz file (not compressed) with one array, which is structured or of
 /// shape (n, 3 to 5) with the columns x y z intensity ring. Throws `FormatError`.
 Table read_numpy(const std::filesystem::path& path);
 /// Reads a text file with a header line and cells separated by comma, semicolon, tab or spaces.
-/// Without a header the first three columns are x y z, unless `names` says them. A line with the
+/// Without a header the first three columns are x y z, unless `names` gives them. A line with the
 /// number of points alone is left out. Empty fields become NaN. Columns of whole numbers become
 /// int32 or uint32, all others double. Throws `FormatError`.
 Table read_csv(const std::filesystem::path& path, const std::vector<std::string>& names = {});
@@ -51,21 +51,21 @@ bool is_table_file(const std::filesystem::path& path);
 
 /// Whether the extension is that of a recording: bags, LAS, captures, E57.
 bool is_recording(const std::filesystem::path& path);
-/// What is said of a recording that the program itself does not read.
+/// The error for a recording that the program itself does not read.
 inline constexpr const char* kRecording =
     "is a recording, which the Python package of Underbrush reads: pip install "
     "'underbrush[formats]', whose command takes it";
 
 /// The reason for which points are skipped that are nowhere near the sensor.
 inline constexpr const char* kFarFromSensor = "farther than 1000 km from the sensor";
-/// What is asked where the points seem to be those of a world.
+/// The question in errors about points that seem to be those of a world.
 inline constexpr const char* kWorldCoordinates =
     "are its coordinates those of the world? Then --poses must say where the sensor stood, and "
     "--points-in-world";
 
 class PointTimes;
 
-/// What must be known to turn a table into a scan.
+/// The data besides a table that make it a scan.
 struct ScanContext {
   ScanInfo info;
   bool points_in_world = false;  ///< x y z are in the world frame, else in the sensor's.

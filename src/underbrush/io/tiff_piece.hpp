@@ -9,7 +9,7 @@
 
 namespace underbrush::io {
 
-/// How a file stores its pieces, which are strips or tiles, with one sample a cell.
+/// The coding of the pieces of a file, which are strips or tiles, with one sample per cell.
 struct TiffCoding {
   int compression = 1;      ///< Tag 259.
   int predictor = 1;        ///< Tag 317.
@@ -21,10 +21,10 @@ struct TiffCoding {
 /// The name of a compression that is not read, such as "JPEG"; empty for those that are.
 std::string unread_compression(int compression);
 
-/// The `size` bytes of samples of a piece in the file's order of bytes: none, LZW, deflate and
-/// PackBits are undone, then the predictor of LZW and deflate (TIFF 6.0 sections 9, 13 and 14;
-/// floating point as in Adobe's technical note 3). `size` must be a whole number of rows. Nothing
-/// where the piece is damaged, or holds less.
+/// Returns the `size` bytes of samples of a piece in the file's order of bytes: none, LZW, deflate
+/// and PackBits are undone, then the predictor of LZW and deflate (TIFF 6.0 sections 9, 13 and 14;
+/// floating point as in Adobe's technical note 3). `size` must be a whole number of rows. Returns
+/// nothing where the piece is damaged, or holds less.
 std::optional<std::string> decode_tiff_piece(std::string_view stored, const TiffCoding& coding,
                                              size_t size);
 

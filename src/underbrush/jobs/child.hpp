@@ -8,7 +8,7 @@
 
 namespace underbrush::jobs {
 
-/// How a program ended.
+/// The end of a program, and the costs of its run.
 struct ChildEnd {
   int exit_code = 0;  ///< 128 and the signal's number where a signal ended it.
   double seconds = 0;
@@ -16,9 +16,9 @@ struct ChildEnd {
   uint64_t peak_memory_bytes = 0;
 };
 
-/// Runs a program, words[0], to its end, with nothing on its standard input and what it prints in a
-/// new file. It ends with this process, however that ends. Throws `IoError` where no process can be
-/// made.
+/// Runs a program, words[0], to its end, with an empty standard input and its output in a new
+/// file. It ends with this process, however that one ends. Throws `IoError` where no process can
+/// be made.
 ChildEnd run_child(std::vector<std::string> words, const std::filesystem::path& printed);
 
 }  // namespace underbrush::jobs

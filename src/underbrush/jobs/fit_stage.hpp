@@ -11,7 +11,7 @@
 
 namespace underbrush::jobs {
 
-/// A stage of a fit by refinement, and what the stages before have left.
+/// A stage of a fit by refinement, and the outputs of the stages before it.
 struct FitStage {
   /// One of
   /// - `begin`, all that comes before the refinement;
@@ -19,13 +19,13 @@ struct FitStage {
   /// - `step`, the M-step of these sums;
   /// - `end`, the last M-step and all that follows.
   std::string name;
-  /// The folder that `begin` left; for the others, also the one of the last `step` or of `begin`;
-  /// and the files of all sums.
+  /// For `sum`, the folder of the last `step` or of `begin`; for `step` and `end`, the folder of
+  /// `begin`, that of the last `step` or of `begin`, and the files of all sums.
   std::vector<std::string> from;
 };
 
-/// Runs a stage of the fit of a log to a model. `end` returns the model, the others write what they
-/// leave to `output`. The model has the bits of `pipeline::fit_model`. Throws as that does, and
+/// Runs a stage of the fit of a log to a model. `end` returns the model, the others write their
+/// results to `output`. The model has the bits of `pipeline::fit_model`. Throws as that does, and
 /// `std::invalid_argument` for a stage that is not one.
 std::optional<pipeline::FittedModel> run_fit_stage(const FitStage& stage, const std::string& log,
                                                    const fit::FitOptions& options,

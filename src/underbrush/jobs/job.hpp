@@ -1,6 +1,6 @@
 /// \file
-/// The file that describes a job: a command of the program, and what it is repeated over or cut
-/// into.
+/// The file that describes a job: a command of the program, the values that it is repeated for, and
+/// the number of its parts.
 #pragma once
 #include <cstddef>
 #include <filesystem>

@@ -28,7 +28,7 @@ class JoinedLogs : public BeamSource {
   std::vector<std::filesystem::path> files_;
   size_t first_beams_, size_ = 0;
   LogInfo info_;
-  size_t at_ = 0;  ///< The file that is open.
+  size_t at_ = 0;  ///< The number of the open file.
   std::unique_ptr<io::LogReader> reader_;
   BeamLog rest_;  ///< Rows that were read with the first chunk and are not of it.
   bool begun_ = false;

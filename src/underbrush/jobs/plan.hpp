@@ -1,6 +1,6 @@
 /// \file
-/// A plan: the tasks of a job, what they read and make, and what is joined from that. Its folder
-/// holds `plan.json` (share/schemas/plan.json), and later the outputs and records of tasks.
+/// A plan: the tasks of a job, their inputs and outputs, and the results joined from these. Its
+/// folder holds `plan.json` (share/schemas/plan.json), and later the outputs and records of tasks.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -24,7 +24,7 @@ struct TaskOutput {
   std::string name;    ///< Its file name.
 };
 
-/// What a task takes of a task of an earlier stage.
+/// An output of a task of an earlier stage that a task takes.
 struct EarlierOutput {
   std::string option;  ///< The option of the command that gets the path.
   size_t task = 0;
@@ -40,15 +40,15 @@ struct Task {
   std::vector<TaskOutput> outputs;
   uint64_t seed = 1;
   double seconds = 0;         ///< s; one core's time, roughly guessed or estimated (`estimate`).
-  uint64_t memory_bytes = 0;  ///< The most memory, likewise.
-  uint64_t output_bytes = 0;  ///< What it makes; known of estimates alone.
+  uint64_t memory_bytes = 0;  ///< Peak memory, guessed or estimated.
+  uint64_t output_bytes = 0;  ///< Size of its outputs; known of estimates alone.
   size_t command_number = 0;  ///< The number of the job's command; not in the plan's file.
 };
 
 /// A file or folder that `merge` makes: an output of one task, or the logs of several, joined.
 struct Result {
   std::string path;
-  std::vector<size_t> tasks;  ///< In the order of the beams.
+  std::vector<size_t> tasks;  ///< Its tasks in the order of the beams.
   size_t output = 0;          ///< The number of the output among those of its task.
   size_t first_chunk = 0;     ///< Beams that the writer of a joined log gets first; else 0.
 };

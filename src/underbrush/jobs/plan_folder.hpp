@@ -1,5 +1,5 @@
 /// \file
-/// What is where in a plan's folder. It is internal to the module.
+/// The names of the files in a plan's folder. It is internal to the module.
 #pragma once
 #include <cstdint>
 #include <filesystem>

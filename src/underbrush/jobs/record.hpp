@@ -1,5 +1,5 @@
 /// \file
-/// What a task left: its record, and whether that can be believed.
+/// The record that a task leaves, and the check of the record.
 #pragma once
 #include <map>
 #include <optional>
@@ -21,9 +21,9 @@ struct Record {
   std::string plan;  ///< The hash of the plan's file.
   std::string program;
   std::vector<std::string> command;
-  std::map<std::string, std::string> inputs;  ///< The hash of each, by path.
-  std::vector<std::string> earlier;           ///< The hashes of what earlier tasks made.
-  std::vector<MadeOutput> outputs;            ///< In the order of the task's.
+  std::map<std::string, std::string> inputs;  ///< The hash of each input, by path.
+  std::vector<std::string> earlier;           ///< The hashes of the outputs of earlier tasks.
+  std::vector<MadeOutput> outputs;            ///< The outputs in the order of the task's.
   double seconds = 0;
   double processor_s = 0;
   uint64_t peak_memory_bytes = 0;
@@ -34,7 +34,7 @@ struct Record {
 struct Failure {
   size_t times = 0;
   int exit_code = 0;       ///< 128 and the signal's number where a signal ended the task.
-  std::string last_lines;  ///< The end of what the last run printed.
+  std::string last_lines;  ///< The last lines that the last run printed.
 };
 
 /// Writes the record of a task that is done, in the place of one that stands. Throws `IoError`.
@@ -42,10 +42,10 @@ void write_record(const std::filesystem::path& folder, size_t task, const Record
 /// Writes the record of a task that failed. Throws `IoError`.
 void write_failure(const std::filesystem::path& folder, size_t task, const Failure& failure);
 
-/// Reads the record of a task and holds it against the plan and, with `outputs`, against the bytes
-/// of the outputs. Nothing if the task left none. Throws `FormatError` where they disagree: the
-/// record is damaged or of another plan, program, command or input, or an output is not what it
-/// says.
+/// Reads the record of a task and compares it with the plan and, with `outputs`, with the bytes of
+/// the outputs. Returns nothing if there is no record. Throws `FormatError` where they disagree:
+/// the record is damaged or of another plan, program, command or input, or an output differs from
+/// it.
 std::optional<Record> checked_record(const std::filesystem::path& folder, const Plan& plan,
                                      size_t task, bool outputs = true);
 /// Reads the record of a failed task, if there is one. Throws `FormatError`.

@@ -1,5 +1,5 @@
 /// \file
-/// Scripts by which others' schedulers run the tasks of a plan.
+/// Scripts by which other schedulers run the tasks of a plan.
 #pragma once
 #include <string>
 

@@ -20,7 +20,7 @@ struct CachedPixels {
   static constexpr size_t kMost = elements::KeyframeTrust::kPixels;
 
   size_t count = 0;
-  std::array<double, kMost> range_m{};  ///< Along the beam, m; infinite for a pixel without return.
+  std::array<double, kMost> range_m{};  ///< Range along the beam, m; infinite without a return.
   std::array<float, kMost> intensity{};
   std::array<uint8_t, kMost> rank{};  ///< The pixel's place in `KeyframeTrust::pixel`.
   size_t situation = 0;               ///< Index in `Keyframes::trust`.
@@ -60,7 +60,7 @@ class KeyframeCache {
   /// `except` are left out.
   Near near(const Vec3& origin, std::span<const uint32_t> among, double least_m = 0,
             uint32_t except = Near::kNone) const;
-  /// A beam to look up.
+  /// A beam whose pixels are looked up.
   struct Query {
     Ray ray;  ///< World.
     Near near{};
@@ -81,8 +81,8 @@ class KeyframeCache {
   std::optional<CachedReturn> drawn(const CachedPixels& r, double u, uint64_t noise) const;
   /// The return of pixel `k` of those found, without an error of its own.
   static CachedReturn return_of(const CachedPixels& r, size_t k);
-  /// The greatest weight of all pixels together at such a distance. For any `u` not below it, the
-  /// return comes from the elements, without a query.
+  /// The greatest weight of all pixels together at the distance of `near`. For any `u` not below
+  /// it, the return comes from the elements, without a query.
   double greatest_weight(const Near& near) const {
     const size_t bin = distance_bin(near);
     return bin < greatest_weight_.size() ? greatest_weight_[bin] : 0;
@@ -108,7 +108,7 @@ class KeyframeCache {
   std::optional<elements::KeyframeGrid> grid_;
   std::optional<LookUpGrid> look_up_grid_;
   std::array<double, elements::Keyframes::kDistances.size()> greatest_weight_{},
-      greatest_weight_of_returns_{};  ///< Where at most half of the pixels did not return.
+      greatest_weight_of_returns_{};  ///< Greatest weight if at most half of the pixels are misses.
 };
 
 }  // namespace underbrush::keyframes

@@ -10,9 +10,9 @@ namespace underbrush::keyframes {
 
 /// Chooses among the places (m) of possible keyframes, in the order of time, of `bytes` each. The
 /// choice is spread evenly over time, and fewer than 16 others lie nearer to each than
-/// `options.spacing_m`: a sensor that stands repeats itself best where a scan of nearly the same
-/// time is remembered, because poses drift. Where that would take too much memory, first fewer lie
-/// near together, and then the spacing grows. Returns ascending numbers.
+/// `options.spacing_m`: the best cache of a sensor that stands still has scans of nearly the same
+/// time, because poses drift. Where that would take too much memory, first fewer keyframes lie near
+/// together, and then the spacing grows. Returns ascending numbers.
 std::vector<size_t> chosen_keyframes(const std::vector<Vec3>& places,
                                      const KeyframeOptions& options, size_t bytes);
 

@@ -13,8 +13,8 @@ struct KeyframeOptions {
   double spacing_m = 2;
   /// Returns nearer than this (m) are unknown, because they are of the vehicle.
   double min_range_m = 0;
-  /// The most memory that they may take, bytes. Until they fit, fewer may lie nearer, at least 2,
-  /// and then the spacing grows.
+  /// The most memory of the keyframes, bytes. Until they fit, fewer may lie nearer, at least 2, and
+  /// then the spacing grows.
   size_t most_bytes = size_t(1) << 28;
   /// Beams that the trust is learnt from, in each half of the columns if the log has one scan.
   size_t samples = 60'000;

@@ -1,5 +1,5 @@
 /// \file
-/// How far keyframes are to be trusted, learnt from beams.
+/// The trust in keyframes, learnt from beams.
 #pragma once
 #include <array>
 #include <vector>
@@ -26,10 +26,10 @@ struct TrustSample {
   TrustSample(const CachedPixels& found, double range_m);
 };
 
-/// Finds the trust in every situation that makes the outcomes likeliest, by expectation and
-/// maximisation. At a distance with too few beams the trust is that of `earlier`, or without it
-/// that of the next farther distance. A place of `KeyframeTrust::pixel` in which next to no beam
-/// has a pixel leaves its weight to the elements. The same bits for any number of threads.
+/// Finds the most likely trust in every situation, by expectation and maximisation. At a distance
+/// with too few beams the trust is that of `earlier`, or without it that of the next farther
+/// distance. A place of `KeyframeTrust::pixel` in which next to no beam has a pixel leaves its
+/// weight to the elements. The result has the same bits for any number of threads.
 std::array<elements::KeyframeTrust, elements::Keyframes::kSituations> most_likely_trust(
     const std::vector<TrustSample>& samples,
     const std::array<elements::KeyframeTrust, elements::Keyframes::kSituations>* earlier = nullptr);

@@ -1,5 +1,5 @@
 /// \file
-/// Keyframes of a log: some of its scans, kept as range images, and how far they are to be trusted.
+/// Keyframes of a log: some of its scans, kept as range images, and the trust in them.
 #pragma once
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/elements/model.hpp"
@@ -21,7 +21,7 @@ namespace keyframes {
 /// eight times if it has one scan. The result has the same bits for any number of threads.
 void learn_keyframes(elements::Model& model, BeamSource& log, const KeyframeOptions& options);
 
-/// What an update did to the keyframes of a model.
+/// The changes of the keyframes of a model by an update.
 struct KeyframeChanges {
   size_t kept = 0, added = 0;   ///< Keyframes of the earlier logs and of the new scans.
   size_t forgotten_pixels = 0;  ///< Pixels of earlier logs that became unknown.

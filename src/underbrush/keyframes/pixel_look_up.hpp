@@ -13,7 +13,7 @@ namespace underbrush::keyframes {
 struct PixelLookUp {
   static constexpr size_t kBeams = 8, kFound = elements::Keyframes::kPixelsOfFrame;
   static constexpr uint32_t kNone = 0xffffffffu;
-  static constexpr float kLeastRangeM = 0.1f;  ///< Nothing nearer is found.
+  static constexpr float kLeastRangeM = 0.1f;  ///< The least range of a pixel that is found.
 
   struct Vectors {
     std::array<float, kBeams> x, y, z;
@@ -53,8 +53,8 @@ class LookUpGrid {
 ///
 /// The point is found by fixed-point iteration: the pixel in the direction of a point on the beam
 /// gives the next point, until the pixel stays the same. The result is the four pixels nearest to
-/// that direction among the nine about it. The answers do not depend on the instruction set, and
-/// those to a beam not on the other beams.
+/// that direction among the nine about it. The results do not depend on the instruction set, and
+/// that of a beam not on the other beams.
 void look_up_pixels(const LookUpGrid& grid, const LookUpFrame& frame, PixelLookUp& beams);
 
 }  // namespace underbrush::keyframes

@@ -10,15 +10,15 @@
 
 namespace underbrush::keyframes {
 
-/// What is known of a scan before its image is made.
+/// The data of a scan before its image is made.
 struct Scan {
   size_t beams = 0;
   Vec3 origin = Vec3::Zero();  ///< m, world; the mean of its beams.
   Eigen::Quaterniond sensor_from_world = Eigen::Quaterniond::Identity();
 };
 
-/// Elevations of the beams of a channel, counted in steps of 0.05°. Their middle is that of the far
-/// beams, as near ones of a sensor whose lasers are apart are seen from beside it.
+/// Elevations of the beams of a channel, counted in steps of 0.05°. Their median is that of far
+/// beams; near returns appear at other elevations where the lasers of a sensor are apart.
 class ChannelElevations {
  public:
   void add(double elevation_rad);
@@ -48,7 +48,7 @@ ScanPattern scan_pattern(BeamSource& log);
 void set_grid(const ScanPattern& pattern, elements::Keyframes& image);
 
 /// Whether a log of this pattern may be of the sensor that made the keyframes of `model`, which has
-/// some. Names are not compared, but what both show of their sensor:
+/// some. The names are not compared; the properties that both show of their sensor are:
 ///
 /// - the sensor reaches as far as the farthest return of the model's log;
 /// - both have channels, and half of those that both have differ by at most half a row in

@@ -13,15 +13,15 @@ namespace underbrush {
 /// Libraries of primitives of many logs.
 namespace library {
 
-/// What primitives are searched for, and what is known of the sets that are merged.
+/// The options of the search for primitives and of the merge of sets.
 struct Options {
   /// Names of classes, or of their kinds: shrub, tree and patch; empty = all.
   std::vector<std::string> classes;
   double least_height_m = 0, most_height_m = 1000;
   double least_width_m = 0, most_width_m = 1000;  ///< m; limits of the longer side of the box.
-  std::string site, season, sensor;               ///< Empty = any.
+  std::string site, season, sensor;               ///< Their names; empty = any.
   /// The site, season and licence of each set that is merged, or of all if there is one text; empty
-  /// = what the set has itself.
+  /// = those of the set itself.
   std::vector<std::string> of_site, of_season, of_license;
   bool keep_duplicates = false;
 };
@@ -37,11 +37,11 @@ struct Found {
   primitives::PrimitiveOrigin origin;  ///< Empty texts where the set has no origins.
 };
 
-/// Returns the primitives of a set that are searched for, in its order. Throws
+/// Returns the primitives of a set that the options select, in its order. Throws
 /// `std::invalid_argument` for a class that does not exist.
 std::vector<Found> find_primitives(const primitives::PrimitiveSet& set, const Options& options);
 
-/// A library in memory, and counts of what was left out.
+/// A library in memory, and the counts of its merge.
 struct Merged {
   std::vector<primitives::Primitive> primitives;
   std::vector<primitives::PrimitiveOrigin> origins;
@@ -51,13 +51,13 @@ struct Merged {
   size_t without_license = 0;  ///< Origins whose licence is not known.
 };
 
-/// Merges sets into a library. Each primitive keeps where it comes from (`PrimitiveOrigin`); a set
-/// that is a library keeps its origins. Two primitives of a class are duplicates if their elements
-/// are equal, or if they were cut in different sets from the same plant of a site that has a name:
-/// the middle of each one's box lies in the other's. Of duplicates that of most points stays.
-/// Throws `FormatError` where a set is damaged or its cells have another side than those of the
-/// first, and `std::invalid_argument` where there are neither one nor as many sites, seasons or
-/// licences as sets.
+/// Merges sets into a library. Each primitive keeps its origin (`PrimitiveOrigin`); a set that is a
+/// library keeps its origins. Two primitives of a class are duplicates if their elements are equal,
+/// or if they were cut in different sets from the same plant of a site that has a name: the middle
+/// of each one's box lies in the other's. Of duplicates that of most points stays. Throws
+/// `FormatError` where a set is damaged or its cells have another side than those of the first, and
+/// `std::invalid_argument` where there are neither one nor as many sites, seasons or licences as
+/// sets.
 Merged merge_sets(std::span<const std::filesystem::path> folders, const Options& options);
 
 }  // namespace library

@@ -37,11 +37,11 @@ class FixedSum {
 struct EllipsoidSums {
   double hits = 0;    ///< Σ r: sum of the shares returned by the ellipsoid.
   double passes = 0;  ///< Sum of the shares that went through the ellipsoid.
-  double density_slope = 0, density_curvature = 0;  ///< By k.
-  Vec3 shift_slope = Vec3::Zero();                  ///< By s.
-  Mat3 shift_curvature = Mat3::Zero();              ///< By s.
-  Mat3 stretch_slope = Mat3::Zero();                ///< By E.
-  /// By E; entry (i, j) belongs to entry (i, j) of E alone.
+  double density_slope = 0, density_curvature = 0;  ///< Derivatives by k.
+  Vec3 shift_slope = Vec3::Zero();                  ///< Slope by s.
+  Mat3 shift_curvature = Mat3::Zero();              ///< Curvature by s.
+  Mat3 stretch_slope = Mat3::Zero();                ///< Slope by E.
+  /// Curvature by E; entry (i, j) belongs to entry (i, j) of E alone.
   Mat3 stretch_curvature = Mat3::Zero();
   /// Σ r x² n nᵀ, with the misfit x = (z − t)/σ and the whitened direction n of a beam.
   Mat3 along = Mat3::Zero();

@@ -17,12 +17,12 @@ namespace underbrush::likelihood {
 struct Expectation {
   double nll = 0;  ///< The mean of −log f over beams, nats, as in `metrics::score`.
   ElementSums sums;
-  double stray_hits = 0;  ///< Share of the beams that returned from what no element explains.
+  double stray_hits = 0;  ///< Share of the beams with a return that no element explains.
 };
 
 /// Exact sums over the beams of a pass.
 struct PassTotals {
-  FixedSum loss;  ///< Σ −log f. Each is below 20, so the sum does not overflow.
+  FixedSum loss;  ///< Σ −log f. Each term is below 20, so the sum does not overflow.
   FixedSum stray_hits;
   std::array<MeshNoise, 2> noise;  ///< The ground's and the surface's.
 
@@ -75,7 +75,7 @@ PassSums pass_over_training(const trace::World& world, const ListedBeams& beams,
 /// times, so that their means are those of all beams.
 Expectation expectation_of(PassSums sums, credit::BeamShare share);
 
-/// Returns `expectation_of` what `pass_over_training` sums up.
+/// Returns `expectation_of` the sums of `pass_over_training`.
 Expectation expect(const trace::World& world, const ListedBeams& beams, credit::BeamShare share,
                    const trace::OutlierShares& soft,
                    const std::function<void(size_t, size_t)>& progress = {});

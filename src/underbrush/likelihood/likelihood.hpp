@@ -43,14 +43,14 @@ struct LikelihoodStep {
   /// Mean −log f over the training beams, nats, as in `metrics::score`; known only of models from
   /// which a further step was tried.
   std::optional<double> training_nll;
-  double held_out_nll = 0;  ///< The same over the held-out beams.
+  double held_out_nll = 0;  ///< Mean −log f over the held-out beams, nats.
   bool accepted = false;
 };
 
 /// The report of a refinement.
 struct LikelihoodReport {
   size_t training_beams = 0, held_out_beams = 0;
-  size_t held_out_hits = 0;  ///< How many of `held_out_beams` returned.
+  size_t held_out_hits = 0;  ///< Number of the held-out beams that returned.
   /// Estimated share of returns that no element explains, in the last pass over training beams.
   double stray_hits = 0;
   std::vector<LikelihoodStep> steps;
@@ -62,7 +62,7 @@ struct Refined {
   LikelihoodReport report;
 };
 
-/// A model and its elements as beams search them.
+/// A model, and the world in which beams are traced through it.
 struct TracedModel {
   explicit TracedModel(elements::Model m) : model(std::move(m)), world(model) {}
   elements::Model model;
@@ -77,7 +77,7 @@ struct Refinement {
   LikelihoodReport report;
   size_t step = 0;      ///< The place of the model in the steps of the report.
   int round = 0;        ///< M-steps tried so far.
-  double stride = 0.8;  ///< The length of the next one, below 1 because neighbours move at once.
+  double stride = 0.8;  ///< The length of the next step, below 1 because neighbours move at once.
 
   /// The share of the training beams of which the next M-step needs the sums under the model;
   /// nothing where no M-step follows.
@@ -122,13 +122,13 @@ credit::BeamShare share_of_round(size_t beams, int round, int rounds);
 ///
 /// The final ellipsoids are `sharpened`.
 ///
-/// The beams are read and searched anew for each step that goes on from a model; the held-out beams
-/// stay in memory and judge it. The result has the same bits for any number of threads and any
-/// order of the beams. `progress(stage, done, total)` may be empty. Throws `std::invalid_argument`
-/// for ellipsoids bounded by voxels, because their means would leave the voxels, and for options
-/// out of range.
-///
-/// Unless `moving` is empty, it says of each element whether it may change. The others are met and
+/// The beams are read and searched anew for each step that goes on from a model; the held-out
+/// beams, on which its acceptance is based, stay in memory. The result has the same bits for any
+/// number of threads and any order of the beams. `progress(stage, done, total)` may be empty.
+/// Throws `std::invalid_argument` for ellipsoids bounded by voxels, because their means would leave
+/// the voxels, and for options out of range.
+/// Unless `moving` is empty, it has one value for each element: whether the element may change.
+/// Beams meet the other elements, too, but these stay as they are.
 /// stay as they are.
 Refined refine(const elements::Model& start, BeamSource& source, const LikelihoodOptions& options,
                const std::function<void(std::string_view, size_t, size_t)>& progress = {},

@@ -1,5 +1,5 @@
 /// \file
-/// The beams of a log as passes over it need them.
+/// The beams of a log in the form that passes over it need.
 #pragma once
 #include <functional>
 #include <span>
@@ -22,16 +22,16 @@ class ListedBeams {
   ListedBeams(BeamSource& source, const credit::HeldOut& held_out, const elements::Model& model,
               size_t most_bytes);
 
-  /// The held-out beams of a log of `training_beams` training beams, which are not there.
+  /// The held-out beams of a log whose `training_beams` training beams are not in the lists.
   ListedBeams(const LogInfo& info, std::vector<ListedBeam> held_out, size_t training_beams);
 
   const LogInfo& info() const { return info_; }
   const std::vector<ListedBeam>& held_out() const { return held_out_; }
-  /// The held-out beams by which models are compared: of many about 2¹⁶, chosen by a hash.
+  /// The held-out beams by which models are compared: about 2¹⁶ of many, chosen by a hash.
   const std::vector<ListedBeam>& validation() const {
     return validation_.empty() ? held_out_ : validation_;
   }
-  /// How many of the held-out beams returned.
+  /// The number of held-out beams that returned.
   size_t held_out_hits() const;
   size_t training_beams() const { return training_beams_; }
   /// Calls `use` with the training beams of a share, those of each chunk of the log.
@@ -56,7 +56,7 @@ class ListedBeams {
   double most_range_m_ = 0;
   std::vector<Block> kept_;  ///< The first blocks of training beams.
   std::vector<ListedBeam> held_out_;
-  std::vector<ListedBeam> validation_;  ///< Empty if all held-out beams are.
+  std::vector<ListedBeam> validation_;  ///< Empty where all held-out beams are validation beams.
   size_t training_beams_ = 0;
   bool complete_ = true;  ///< Whether `kept_` has all blocks.
 };

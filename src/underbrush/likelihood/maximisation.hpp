@@ -1,5 +1,5 @@
 /// \file
-/// This file has the maximisation step, which moves a model to where its beams are more likely.
+/// This file has the maximisation step, which makes the beams of a model more likely.
 #pragma once
 #include "underbrush/credit/beta_prior.hpp"
 #include "underbrush/likelihood/element_sums.hpp"
@@ -16,8 +16,8 @@ struct MaximisationOptions {
   /// less about the fit than new points will, so squared misfits are raised by (n + k) / (n − k),
   /// at most fourfold.
   double spent_points = 2;
-  /// The same of the ellipsoids of the start; 0 leaves them as they are. They have fewer, because
-  /// their covariances have a prior.
+  /// The number k for the ellipsoids of the start; 0 leaves them as they are. It may be smaller,
+  /// because the covariances of these ellipsoids have a prior.
   double spent_at_start = 2;
   credit::HitPrior triangle{10, 0};  ///< Prior hits and misses of a triangle.
   double roughness_hits = 2;  ///< Weight of the mesh's roughness in that of a triangle, in hits.

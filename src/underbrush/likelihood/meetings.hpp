@@ -1,5 +1,5 @@
 /// \file
-/// This file lists which elements the beams of a log may meet.
+/// This file lists the elements that the beams of a log may meet.
 #pragma once
 #include <vector>
 

@@ -26,8 +26,8 @@ struct Neighbourhood {
   double density_per_m = 0;   ///< κ₀, 1/m; 0 where no beam passed the neighbourhood.
 };
 
-/// Which ellipsoids are the neighbours of which: the `kNeighbourhood` with the nearest means,
-/// itself among them. They are found once, because a refinement moves means by less than they are
+/// The neighbours of each ellipsoid: the `kNeighbourhood` with the nearest means, itself
+/// among them. They are found once, because a refinement moves means by less than they are
 /// apart.
 class Neighbours {
  public:
@@ -47,7 +47,7 @@ class Neighbours {
 
  private:
   std::vector<std::array<uint32_t, kNeighbourhood>> near_;
-  size_t count_ = 0;  // of each; fewer where there are fewer ellipsoids
+  size_t count_ = 0;  // neighbours of each; fewer where there are fewer ellipsoids
 };
 
 }  // namespace underbrush::likelihood

@@ -16,13 +16,13 @@ struct ListedBeam {
   float reach_m;       ///< Elements whose closest approach lies beyond this are not met, m.
 };
 
-/// What does not change of a meeting with a triangle as the model is refined.
+/// The part of a meeting with a triangle that stays the same as the model is refined.
 struct TriangleMeeting {
   float t_m;   ///< Range, m.
   float tilt;  ///< 1 / max(cos²θ, 10⁻⁴), with the angle of incidence θ.
 };
 
-/// An ellipsoid as a pass needs it. The inverse L⁻¹ of its Cholesky factor is lower triangular.
+/// An ellipsoid in the form for a pass. The inverse L⁻¹ of its Cholesky factor is lower triangular.
 struct EllipsoidForm {
   float mean[3];        ///< μ, m.
   float whiten[6];      ///< L⁻¹ (1/m): xx, yx yy, zx zy zz.
@@ -30,7 +30,7 @@ struct EllipsoidForm {
   float p;              ///< Probability of a return from an ellipsoid without a density.
 };
 
-/// A model as a pass needs it.
+/// A model in the form for a pass.
 struct ModelForm {
   const EllipsoidForm* ellipsoids;
   const float* triangle_p;
@@ -42,8 +42,8 @@ struct ModelForm {
   float min_range_m;                     ///< Elements nearer than this are not met, m.
 };
 
-/// What a pass computes for each meeting of a run of beams. Each points to as many places as there
-/// are meetings, and to eight more.
+/// The values that a pass computes for each meeting of a run of beams. Each column points to as
+/// many places as there are meetings, and to eight more.
 struct MeetingColumns {
   float* t_m;      ///< Range of the closest approach, m.
   float* sigma_m;  ///< σ, m.
@@ -81,7 +81,7 @@ enum SumField : size_t {
   kSumFields = kAlong + 6
 };
 
-/// The length of the row of sums of an ellipsoid: `kSumFields` and what fills up cache lines.
+/// The length of the row of sums of an ellipsoid: `kSumFields`, filled up to whole cache lines.
 inline constexpr size_t kSumRow = 32;
 
 /// The sums of all ellipsoids, row by row, to which several threads may add. A lock guards all rows

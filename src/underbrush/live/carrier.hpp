@@ -6,10 +6,10 @@
 
 namespace underbrush::live {
 
-/// Changes with the types that the program and the library share.
+/// The version of the types that the program and the library share.
 inline constexpr int kCarrierVersion = 2;
 
-/// Does what `serve` does. Returns "", or what is wrong.
+/// A function that does the work of `serve`. Returns "", or the reason of a failure.
 using Carrier = std::string (*)(int version, Service& service, const ServerOptions& options,
                                 const ServerStarted& started);
 /// The name of that function in the library.

@@ -1,5 +1,5 @@
 /// \file
-/// What a client of the sensor server asks for, and what it gets.
+/// The requests of clients of the sensor server, and the answers.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -8,7 +8,7 @@
 #include "underbrush/core/pose.hpp"
 
 namespace underbrush {
-/// Sensors that fire on demand: for loops in which something reacts to what it sees.
+/// Sensors that fire on demand, for simulations in closed loop.
 namespace live {
 
 /// A motion: poses over time (world from body), or one pose with the velocities that it has from
@@ -16,21 +16,21 @@ namespace live {
 struct Motion {
   std::vector<StampedPose> poses;
   Vec3 velocity_m_per_s = Vec3::Zero();     ///< World frame; a single pose has it.
-  Vec3 turn_rate_rad_per_s = Vec3::Zero();  ///< The same holds.
+  Vec3 turn_rate_rad_per_s = Vec3::Zero();  ///< World frame; a single pose has it.
 };
 
-/// The motion of what moves in the world during a firing. It stands still before its first pose and
-/// after its last. Several of one name, such as the poses of a walking person, keep their times; a
-/// single one is there all the time.
+/// The motion of an actor in the world during a firing. It stands still before its first pose and
+/// after its last. Several actors of one name, such as the poses of a walking person, keep their
+/// times; a single one is there all the time.
 struct ActorMotion {
   std::string name;
   Motion motion;
   bool is_absent = false;  ///< Whether no beam meets it; the motion has no meaning then.
 };
 
-/// A part of the time in which sensors fire, and where everything is in it.
+/// A part of the time in which sensors fire, and the motions of everything in it.
 struct Firing {
-  double start_s = 0;              ///< s; when the sensors began to fire.
+  double start_s = 0;              ///< s; the beginning of the sensors' firing.
   double from_s = 0, until_s = 0;  ///< s; beams of [from_s, until_s) are fired.
   /// The vehicle, or the only sensor. It has poses for all of the time.
   Motion vehicle;
@@ -43,8 +43,8 @@ struct Firing {
 /// Part of a column, as bytes: little-endian values without gaps.
 struct Column {
   std::string name;
-  const char* type = "<f4";  ///< As NumPy names it.
-  uint32_t width = 1;        ///< The number of values a row.
+  const char* type = "<f4";  ///< The type's name in NumPy.
+  uint32_t width = 1;        ///< The number of values per row.
   std::string bytes;
 };
 
@@ -63,7 +63,7 @@ struct PointCloud {
   std::string bytes;
 };
 
-/// Some rows of an answer: columns, or the cloud of a sensor.
+/// A part of the rows of an answer: columns, or the cloud of a sensor.
 struct Part {
   uint64_t first_row = 0, rows = 0;
   std::vector<Column> columns;

@@ -1,5 +1,5 @@
 /// \file
-/// The sensors of a vehicle in a world, which fire when they are asked to.
+/// The sensors of a vehicle in a world, which fire on request.
 #pragma once
 #include <functional>
 #include <vector>
@@ -19,11 +19,11 @@ class LiveSensors {
   /// moved. Throws as `pipeline::Simulation` does.
   LiveSensors(pipeline::TracedWorld& world, const pipeline::SimulateOptions& options,
               sensor::Sensor sensor);
-  /// The same for a rig. Beams have the column `sensor` and are in order of time.
+  /// The constructor for a rig. Beams have the column `sensor` and are in order of time.
   LiveSensors(pipeline::TracedWorld& world, const pipeline::SimulateOptions& options,
               perception::Rig rig);
 
-  /// The beams of a firing, before those of several echoes are told apart.
+  /// The number of beams of a firing, in which the echoes of a beam do not count apart.
   double beams_in(const Firing& firing) const;
   /// Answers the beams of a firing. Throws `std::invalid_argument` for times or poses that are not
   /// finite or not in order, a vehicle without poses for all of the time, and unknown actors.

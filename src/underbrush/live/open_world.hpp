@@ -9,12 +9,12 @@
 
 namespace underbrush::live {
 
-/// What a server simulates.
+/// The world and the sensors of a server.
 struct WorldOptions {
   std::string world;        ///< A model, a scene, or a world of another program.
   std::string sensor, rig;  ///< One of them: a sensor's name or file, or the file of a rig.
-  /// What clients move, besides the actors of the world: NAME=MODEL, each absent until a request
-  /// gives it a motion.
+  /// Movers of the clients, besides the actors of the world: NAME=MODEL, each absent until a
+  /// request gives it a motion.
   std::vector<std::string> movers;
   pipeline::SimulateOptions simulate;
 };

@@ -19,9 +19,9 @@ class OtherWorlds {
   /// Each world has the sensors, the movers and the options of `options`. An empty folder has none.
   OtherWorlds(std::filesystem::path folder, WorldOptions options);
 
-  /// The names of what is in the folder, sorted; at most 1000.
+  /// The names of the files and folders in the folder, sorted; at most 1000.
   std::vector<std::string> names() const;
-  /// The sensors in a world; what they stand in stays open as long as they are held. Throws
+  /// The sensors in a world; their world stays open as long as they are held. Throws
   /// `std::invalid_argument` for a name that is none of the folder, and as `open_world` does.
   std::shared_ptr<LiveSensors> sensors(const std::string& name);
 
@@ -32,7 +32,7 @@ class OtherWorlds {
   std::filesystem::path folder_;
   WorldOptions options_;
   std::mutex opening_, mutex_;  ///< `mutex_` guards `kept_`; one world is opened at a time.
-  std::vector<Kept> kept_;      ///< The one that was asked for last comes last.
+  std::vector<Kept> kept_;      ///< The open worlds, in the order of their last requests.
 };
 
 }  // namespace underbrush::live

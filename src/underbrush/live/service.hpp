@@ -1,5 +1,5 @@
 /// \file
-/// What the sensor server answers, whatever carries it to its clients.
+/// The answers of the sensor server, independent of the protocol that carries them to clients.
 #pragma once
 #include <chrono>
 #include <functional>
@@ -14,19 +14,19 @@ namespace underbrush::live {
 class LiveSensors;
 class OtherWorlds;
 
-/// A sensor as clients see it.
+/// The data of a sensor for clients.
 struct SensorFacts {
   std::string name, model;  ///< Its name in the rig, and in the sensor catalogue.
   double rate_hz = 0, beams_per_revolution = 0, max_range_m = 0;
   Pose vehicle_from_sensor;
 };
 
-/// What a server simulates.
+/// The sensors and actors in a world, and the limits and other worlds of the server.
 struct Description {
   std::vector<SensorFacts> sensors;
   std::vector<std::string> actors;
   std::vector<std::string> layouts;  ///< The layouts of point clouds.
-  std::vector<std::string> worlds;   ///< What requests may name besides the server's own world.
+  std::vector<std::string> worlds;   ///< Names of the worlds besides the server's own.
   uint64_t max_beams = 0;            ///< The most beams of a firing.
 };
 
@@ -34,8 +34,8 @@ struct Description {
 struct FireRequest {
   Firing firing;
   std::vector<std::string> columns;  ///< An empty list means the usual ones.
-  std::string layout;  ///< Asks for a cloud of each sensor in place of columns; "" = no clouds.
-  std::string world;   ///< "" = the one that the server was started with.
+  std::string layout;  ///< Layout of a cloud for each sensor in place of columns; "" = no clouds.
+  std::string world;   ///< Its name; "" = the one that the server was started with.
 };
 
 /// The call of a client.
@@ -63,7 +63,7 @@ class Service {
 /// Limits of a server.
 struct ServiceLimits {
   uint64_t beams = uint64_t(1) << 20;  ///< The most beams of a firing.
-  double duration_s = 3600;            ///< From the start of the sensors to a firing's end.
+  double duration_s = 3600;            ///< The longest time from the sensors' start to the end.
   size_t rows = 1 << 16;               ///< The most rows of a part.
 };
 

@@ -6,14 +6,14 @@
 
 namespace underbrush::metrics {
 
-/// Counts of points by what was found and what is true.
+/// Counts of points by the found and by the true answer.
 struct Agreement {
   size_t true_positive = 0, false_positive = 0, false_negative = 0, true_negative = 0;
 
   void add(bool found, bool truth) {
     ++(found ? (truth ? true_positive : false_positive) : (truth ? false_negative : true_negative));
   }
-  /// The scores. Each is NaN where there was nothing to score.
+  /// The scores. Each is NaN where no point can be scored.
   double precision() const { return share(true_positive, true_positive + false_positive); }
   double recall() const { return share(true_positive, true_positive + false_negative); }
   /// The intersection over union.

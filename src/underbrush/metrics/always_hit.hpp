@@ -22,11 +22,11 @@ class RingMedians {
   float of_all_ = kMiss;
 };
 
-/// Answers the beams of a log with the medians of their rings. Its answers depend on nothing else
-/// in the world, so a simulator must beat its scores. Intensities are 0.
+/// A source that answers the beams of a log with the medians of their rings. Its answers depend on
+/// nothing else in the world, so a simulator must beat its scores. Intensities are 0.
 class AlwaysHit : public BeamSource {
  public:
-  /// `beams` must outlive it, and is read by nobody else meanwhile.
+  /// `beams` must outlive it, and nothing else may read it meanwhile.
   AlwaysHit(RingMedians medians, BeamSource& beams) : medians_(std::move(medians)), beams_(beams) {}
   const LogInfo& info() const override { return beams_.info(); }
   size_t size() const override { return beams_.size(); }

@@ -1,5 +1,5 @@
 /// \file
-/// The scores of what a simulator must beat: baselines without a model.
+/// The scores of baselines without a model, which a simulator must beat.
 #pragma once
 #include <functional>
 #include <memory>
@@ -19,14 +19,14 @@ struct Baseline {
   Score score;
 };
 
-/// Uses the real log and the answers of a baseline to the same beams.
+/// A function that gets the real log and the answers of a baseline to the same beams.
 using UseBaseline =
     std::function<void(const std::string& name, BeamSource& real, BeamSource& simulated)>;
 
-/// Answers the beams of a log by each baseline. *Always hit* (`AlwaysHit`) takes the medians of the
-/// rings from the training log where there is one, and else from the real log itself. *Look-up*
-/// (`LookUp::kWarped2`) is there where a training log is: `train` may be empty. Both logs are then
-/// held in memory.
+/// Answers the beams of a log by each baseline. *Always hit* (`AlwaysHit`) takes the medians of
+/// the rings from the training log where there is one, and else from the real log itself.
+/// *Look-up* (`LookUp::kWarped2`) is left out where `train` is empty; otherwise both logs are held
+/// in memory.
 void answer_by_baselines(const OpenLog& real, const OpenLog& train, const UseBaseline& use);
 
 /// Scores the baselines (`answer_by_baselines`). The clouds of *always hit* are not compared.

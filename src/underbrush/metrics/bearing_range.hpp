@@ -1,5 +1,5 @@
 /// \file
-/// This file has histograms of what a static lidar measures, over laser, bearing and range, and
+/// This file has histograms of the beams of a static lidar, over laser, bearing and range, and
 /// measures of their overlap ([deschaud12] §VI.A).
 #pragma once
 #include <cmath>

@@ -26,7 +26,7 @@ struct Bounds {
 /// Without instances the first model lies at its origin.
 Bounds bounds_of(std::span<const elements::Model> models,
                  std::span<const elements::Instance> instances);
-/// Adds them to other bounds.
+/// Adds the bounds of a scene to other bounds.
 void add_bounds(std::span<const elements::Model> models,
                 std::span<const elements::Instance> instances, Bounds& bounds);
 

@@ -30,15 +30,15 @@ struct LengthDistribution {
 struct CloudRegion {
   Cell2 at;  ///< The square, of the side `CloudScores::kRegionM`.
   RealAndSimulated<size_t> points{};
-  /// As in `CloudScores`, of the points in the square, whose nearest points may lie outside; that
-  /// of one direction where a cloud has no point in it.
+  /// As in `CloudScores`, for the points in the square, whose nearest points may lie outside; for
+  /// one direction alone where a cloud has no point in the square.
   double cloud_error_m = kUnknown;
   double error_share = 0;  ///< The share of the sum of all distances.
   /// `CloudScores::height`; NaN where a cloud has no point in the square.
   double height_distance_m = kUnknown;
 };
 
-/// How alike two clouds are. A score without data is NaN.
+/// The similarity of two clouds. A score without data is NaN.
 struct CloudScores {
   static constexpr double kRegionM = 20;  ///< Side of a region, m.
   static constexpr double kGroundM = 2;   ///< Side of the squares that have a lowest point, m.
@@ -47,10 +47,10 @@ struct CloudScores {
   RealAndSimulated<size_t> beams{}, points{};
   /// The share of the beams without a return, with one, with two, and with more.
   RealAndSimulated<std::array<double, 4>> returns{};
-  /// The mean distance of each cloud's points from the nearest point of the other one, m: how much
-  /// of the real cloud was missed, and how much was made up.
+  /// The mean distance of each cloud's points from the nearest point of the other one, m: a measure
+  /// of the real points that were missed, and of the simulated ones that were made up.
   RealAndSimulated<double> nearest_m{kUnknown, kUnknown};
-  double cloud_error_m = kUnknown;          ///< Their mean, [tallavajhula18] eq. 4–5.
+  double cloud_error_m = kUnknown;          ///< Mean of `nearest_m`, [tallavajhula18] eq. 4–5.
   double density_aware_chamfer = kUnknown;  ///< As in `Summary`.
   /// The cells with points of both clouds over those with points of either.
   double occupied = kUnknown;

@@ -56,8 +56,8 @@ class IntensityScorer {
   void use(const trace::World& part) { model_ = &part; }
   /// Adds the same beams of both logs. Returns with the flag `kMover` are left out.
   void add(const BeamLog& real, const BeamLog& simulated);
-  /// Computes the scores. There are none where all intensities of one side are 0; `why` then says
-  /// which.
+  /// Computes the scores. There are no scores where all intensities of one side are 0; `why` then
+  /// names the side.
   std::optional<IntensityScore> finish(std::string& why) const;
 
  private:

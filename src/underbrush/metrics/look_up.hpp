@@ -1,5 +1,5 @@
 /// \file
-/// The baseline *look-up*: a beam is answered with what the training beams near it measured,
+/// The baseline *look-up*: a beam is answered with the measurements of training beams near it,
 /// without any model.
 #pragma once
 #include "underbrush/core/beam_log.hpp"
@@ -8,9 +8,9 @@ namespace underbrush::metrics {
 
 /// The ways to look a beam up.
 enum class LookUp {
-  kRaw,      ///< What the training beam nearest in direction measured, both in the sensor's frame.
+  kRaw,      ///< Measurement of the training beam nearest in direction, both in the sensor's frame.
   kWarped1,  ///< The end points of the nearest training scan, seen from the beam's own origin.
-  kWarped2,  ///< The same of the two nearest training scans.
+  kWarped2,  ///< The end points of the two nearest training scans, seen likewise.
 };
 
 /// Answers the beams of `test`. The nearest training scans are those whose sensor stood nearest,

@@ -13,8 +13,8 @@ namespace underbrush::metrics {
 /// itself among them, or of all points if there are fewer. Points that all coincide give (0, 0, 1).
 /// The cloud is in metres and should be near its origin.
 ///
-/// The sign does not tell inside from outside. It is that of Open3D's closed-form eigenvectors, on
-/// which the figures of [goodin24] rest (docs/results/verification.md). Throws
+/// The sign does not distinguish inside from outside. It is that of Open3D's closed-form
+/// eigenvectors, on which the figures of [goodin24] rest (docs/results/verification.md). Throws
 /// `std::invalid_argument` for k < 3.
 std::vector<Vec3f> normals(std::span<const Vec3f> cloud, size_t k);
 

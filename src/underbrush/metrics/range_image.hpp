@@ -19,8 +19,8 @@ struct RangeImageLayout {
   double max_range_m = 80;
 };
 
-/// A range image: one depth a pixel, row by row from the top; column 0 looks backwards, and columns
-/// turn clockwise. A pixel without a return is 0.
+/// A range image: one depth per pixel, row by row from the top; column 0 looks backwards, and
+/// columns turn clockwise. A pixel without a return is 0.
 struct RangeImage {
   RangeImageLayout layout;
   std::vector<float> depth_m, intensity;
@@ -44,15 +44,15 @@ std::vector<Vec3f> points_of(const RangeImage& image);
 double structural_similarity(std::span<const float> a, std::span<const float> b, int rows,
                              int columns, double value_range);
 
-/// Scores of images, by the definitions of LiDAR4D's code. NaN: no data.
+/// Scores of images, by the definitions of LiDAR4D's code; NaN without data.
 struct ImageScores {
   double chamfer_m2 = 0;  ///< Sum of both mean squared distances between the clouds, m².
-  double f_score = 0;     ///< Threshold: squared distance 0.05 m².
+  double f_score = 0;     ///< F-score at a squared distance of 0.05 m².
   /// Over all pixels, depth at least 10⁻⁶ m and at most the maximum range. A pixel dropped in both
   /// has no error; one that is dropped in one image alone has its whole depth.
   double depth_rmse_m = 0, depth_median_m = 0;
-  double depth_ssim = 0;  ///< Over the range of the real depths.
-  double depth_psnr = 0;  ///< dB, of depth / maximum range.
+  double depth_ssim = 0;  ///< Similarity over the range of real depths.
+  double depth_psnr = 0;  ///< dB; PSNR of depth / maximum range.
   double intensity_rmse = 0;
   /// Scores of the 0 or 1 of a return in a pixel; the positive class of F1 is the return.
   double drop_rmse = 0, drop_accuracy = 0, drop_f1 = 0;

@@ -1,5 +1,5 @@
 /// \file
-/// This file compares predicted probabilities of a return with how often beams returned.
+/// This file compares predicted probabilities of a return with the shares of beams that returned.
 #pragma once
 #include <array>
 #include <cstddef>

@@ -17,16 +17,16 @@ struct Repeats {
   /// Median |Δ range| (m) of the beams of one direction in successive scans that both hit, as
   /// measured and as simulated.
   double real_difference_m = NAN, difference_m = NAN;
-  /// The same of scans half a log apart. Scans that repeat have the difference of successive ones;
-  /// where it is several times as large the sensor or the world has moved.
+  /// The difference of scans half a log apart. Scans that repeat have the difference of successive
+  /// ones; where it is several times as large the sensor or the world has moved.
   double real_far_difference_m = NAN, far_difference_m = NAN;
   /// Bhattacharyya distance between the bearing × range histograms of the measured even scans and
   /// the simulated odd ones, and the other way round; the mean of both.
   double distance = NAN;
-  /// The same between the measured even and odd scans, scan against scan. It has as many beams on
-  /// both sides as `distance`, so it is what a perfect simulator would reach.
+  /// The distance between the measured even and odd scans, scan against scan. It has as many beams
+  /// on both sides as `distance`, so a perfect simulator would reach it.
   double floor = NAN;
-  /// The same between measured and simulated beams of the same scans, which a sensor that moves
+  /// The distance between measured and simulated beams of the same scans, which a sensor that moves
   /// does not blur.
   double same_scans = NAN;
 
@@ -44,7 +44,7 @@ class RepeatedScans {
  public:
   explicit RepeatedScans(const RepeatOptions& options = {});
 
-  /// Adds a scan of both logs, beam by beam. If `chosen` is not empty it says which beams count.
+  /// Adds a scan of both logs, beam by beam. Unless empty, `chosen` marks the beams that count.
   void add(const BeamLog& real, const BeamLog& simulated, const std::vector<bool>& chosen = {});
   Repeats finish() const;
 

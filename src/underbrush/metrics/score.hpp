@@ -25,7 +25,7 @@ struct RangeErrorHistogram {
 /// The scores of a simulation.
 struct Score {
   Summary all;
-  bool cloud = false, likelihood = false;  ///< Which scores were asked for.
+  bool cloud = false, likelihood = false;  ///< Whether these scores were requested.
   /// Scores by the real log's column `class`. The key is the class's name in the log's label set,
   /// or its number as text.
   std::map<std::string, Summary> per_class;
@@ -39,15 +39,15 @@ struct Score {
   /// Roughness along the rings (`RingRoughness::median`, m) of the simulated and of the real log;
   /// NaN for logs without rings.
   double roughness_m = kUnknown, real_roughness_m = kUnknown;
-  /// Scores of intensities; without them, `no_intensity` says why.
+  /// Scores of intensities; where they are absent, `no_intensity` has the reason.
   std::optional<IntensityScore> intensity;
   std::string no_intensity;
-  size_t mover_beams = 0;  ///< Left out: the real return has the flag `kMover`.
+  size_t mover_beams = 0;  ///< Beams left out because their real return has the flag `kMover`.
 };
 
 /// The part of a world larger than memory that serves some beams.
 struct OpenPart {
-  const trace::World* world;  ///< Until the next part is opened.
+  const trace::World* world;  ///< Valid until the next part is opened.
   size_t end;                 ///< The first beam of the log that it does not serve.
 };
 
@@ -56,10 +56,10 @@ struct ScoreOptions {
   bool cloud = true;  ///< Whether to compute cloud error and density-aware Chamfer distance.
   /// If not null, likelihood and CRPS under the ray model are computed.
   const trace::World* world = nullptr;
-  /// For a world larger than memory, of which `world` and `model` have what all its parts share:
+  /// For a world larger than memory, whose common data `world` and `model` have: a function that
   /// opens the part that the beams of a log from `begin` on reach up to a range (m).
   std::function<OpenPart(const BeamLog& beams, size_t begin, double range_m)> open;
-  /// If not null, the world of one model, by whose elements intensities are told apart.
+  /// If not null, the world of one model, by whose elements intensities are grouped.
   const trace::World* model = nullptr;
   std::vector<double> range_edges_m = {0, 10, 20, 30, 50, 80};
 };

@@ -12,7 +12,7 @@
 
 namespace underbrush::movers {
 
-/// Tells for each row of a log whether it is a return of something that moved.
+/// Returns for each row of a log whether it is a return of something that moved.
 ///
 /// A return is compared with scans before and after its own. In each of them its place held matter,
 /// was empty, or was not visible (`Look`). If the place was empty in the outermost scans before or

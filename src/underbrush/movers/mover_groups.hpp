@@ -10,19 +10,19 @@ namespace underbrush::movers {
 
 /// The result of the comparison of a return with other scans.
 enum class Verdict : uint8_t {
-  kNone,   ///< Nothing, or too little.
+  kNone,   ///< No evidence, or too little.
   kStays,  ///< Matter was there at the outermost look of a side, and no side began empty.
   kCandidate
 };
 
-/// What is known of a return.
+/// The evidence on a return.
 struct Evidence {
   Verdict verdict = Verdict::kNone;
   float solid = 0;  ///< `ScanImage::solid_share` of a candidate.
 };
 
-/// Tells for each return of a scan whether it belongs to a group of candidates that
-/// `find_movers` describes.
+/// Returns for each return of a scan whether it belongs to a group of candidates as described at
+/// `find_movers`.
 std::vector<uint8_t> group_movers(const ScanImage& image, const std::vector<ScanReturn>& returns,
                                   const std::vector<Evidence>& evidence,
                                   const MoverOptions& options);

@@ -8,7 +8,7 @@
 #include "underbrush/core/beam_log.hpp"
 
 namespace underbrush {
-/// Finds what moved while a log was recorded.
+/// The search for things that moved while a log was recorded.
 namespace movers {
 
 /// The state of a point in space according to one scan.
@@ -18,7 +18,7 @@ enum class Look : uint8_t {
   kEmpty     ///< The beams that went there passed it by and ended behind it.
 };
 
-/// A return of a scan, as it is needed to look at it from other scans.
+/// A return of a scan, as other scans need it for the comparison.
 struct ScanReturn {
   uint32_t row = 0;  ///< Row in the log.
   Vec3 point;        ///< World frame, m.
@@ -49,7 +49,7 @@ class ScanImage {
   Place place(const Vec3& point) const;
   int32_t rows() const { return rows_; }
   int32_t columns() const { return columns_; }
-  /// Rows between two rings that see what lies between them.
+  /// The greatest distance of two rings, in rows, at which the space between them is visible.
   int32_t gap_rows() const { return gap_rows_; }
   size_t index(int32_t row, int32_t column) const;
   /// Share of the cells with returns, of a cell and the eight around it, whose returns all lie
@@ -59,7 +59,7 @@ class ScanImage {
  private:
   struct Span {
     float least = INFINITY, most = -INFINITY;
-    float height_m = 0;  ///< World, of the nearest return.
+    float height_m = 0;  ///< Height of the nearest return in the world.
     bool is_empty() const { return least > most; }
   };
   int32_t column_of(const Vec3& offset) const;
@@ -69,7 +69,7 @@ class ScanImage {
   double time_s_;
   int32_t rows_, columns_, gap_rows_;
   int32_t first_row_ =
-      0;  ///< The first one in `span_`, which ends with the last row that has returns.
+      0;  ///< The first row in `span_`, which ends with the last row that has returns.
   std::vector<Vec3> from_;  ///< Place of the sensor for each column.
   std::vector<Span> span_;
 };

@@ -8,7 +8,7 @@ namespace underbrush::optimize {
 
 /// A row of the table of fit parameters with its tuning range.
 struct FitParameter : Parameter {
-  bool usual = true;                   ///< Tuned unless the user names the parameters.
+  bool usual = true;                   ///< Whether it is tuned if the user names no parameters.
   const fit::Parameter* of = nullptr;  ///< The row of the table.
 };
 

@@ -9,7 +9,7 @@
 namespace underbrush::optimize {
 
 /// The names of the objectives: `packet_f1` is the mean packet error + 2 (1 − F1) of
-/// [tallavajhula18] §V, and `nll` the negative log-likelihood a beam.
+/// [tallavajhula18] §V, and `nll` the negative log-likelihood per beam.
 std::vector<std::string> objectives();
 
 /// Computes the objective from the scores of beams with ranges up to `max_range_m`. Where no beam

@@ -13,11 +13,19 @@ struct SliceOptions {
   uint64_t seed = 1;             ///< For the choice of columns.
 };
 
+/// The sizes of a slice.
+struct SliceFacts {
+  size_t scans = 0, fitted_beams = 0, judging_beams = 0;
+  bool by_scan = true;  ///< Whether whole scans validate, and not columns of each scan.
+};
+
 /// Two parts of a log that share no beam.
 struct Slice {
   BeamLog fit, validation;
   size_t scans = 0;
-  bool by_scan = true;  ///< Whether whole scans validate, and not columns of each scan.
+  bool by_scan = true;  ///< As in `SliceFacts`.
+
+  SliceFacts facts() const { return {scans, fit.size(), validation.size(), by_scan}; }
 };
 
 /// Takes the scans whose first beam was fired in [from_s, to_s). Every `one_in`-th of them

@@ -22,8 +22,8 @@ struct ChainFile {
 ChainFile read_chain(const std::string& path);
 /// The chain front_end, alignment, tracking, classification, grid, without parameters.
 ChainFile default_chain();
-/// The same behind a tracer, for a ground truth without reflections: an Ibeo LUX 2010 at the
-/// vehicle's front, 3.7 m before and 0.3 m above the rear axle.
+/// The default chain behind a tracer, for a ground truth without reflections: an Ibeo LUX 2010 at
+/// the vehicle's front, 3.7 m before and 0.3 m above the rear axle.
 ChainFile traced_chain();
 
 /// Strategies that are run one after the other.
@@ -48,7 +48,7 @@ class Chain {
 
 /// The data of a view before any strategy: its time, the virtual sensor, and the host vehicle.
 SensorData begin_data(std::shared_ptr<const SensorView> view);
-/// What a sensor model reports that has no data: the time, and headers that say so.
+/// The output of a sensor model that has no data: the time, and headers "not available".
 SensorData no_data(const std::optional<Timestamp>& time);
 
 }  // namespace underbrush::osi

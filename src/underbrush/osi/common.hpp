@@ -55,7 +55,7 @@ struct BaseMoving {
   std::optional<Vec3> velocity_m_s, acceleration_m_s2;
   std::optional<Vec3> turn_rate_rad_s;  ///< Rates of roll, pitch and yaw.
 
-  /// The pose of the box; what is absent counts as zero.
+  /// The pose of the box; absent values count as zero.
   Pose pose() const;
 };
 

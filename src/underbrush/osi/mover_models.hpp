@@ -16,8 +16,8 @@ elements::Model mesh_model(const std::vector<Vec3f>& vertices,
                            const std::vector<std::array<uint32_t, 3>>& triangles);
 
 /// The models of movers by name: meshes, which are fitted to each mover's box, and fitted models,
-/// whose origin is placed in the middle of the box. A scene in which all moves, such as learnt
-/// actors, has fitted models with the times at which they are there.
+/// whose origin is placed in the middle of the box. A scene of moving instances alone, such as
+/// learnt actors, has fitted models with the times at which they are there.
 class MoverModels {
  public:
   /// Reads the models and meshes of a folder, or a scene; "" means that there are none. Throws

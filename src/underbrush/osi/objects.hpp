@@ -25,8 +25,8 @@ Candidate candidate_of(perception::ObjectClass label, double probability);
 /// `FormatError`, which names `source`, where two have the same number.
 void truth_of(const GroundTruth& truth, std::optional<uint64_t> host, std::string_view source,
               perception::TruthFrame& frame);
-/// The objects of a true frame and the host vehicle, as OSI's ground truth. Lists of objects tell
-/// nothing of the host's box; it has the length, width and height of a car.
+/// The objects of a true frame and the host vehicle, as OSI's ground truth. Lists of objects do not
+/// have the host's box; it gets the length, width and height of a car.
 GroundTruth ground_truth_of(const perception::TruthFrame& frame, const Pose& world_from_vehicle,
                             double time_s);
 /// The number that `ground_truth_of` gives the host vehicle.

@@ -13,7 +13,7 @@ namespace underbrush::osi {
 /// A lidar and its rays.
 struct Profile {
   sensor::Sensor sensor;
-  std::vector<sensor::SubRay> sub_rays;  ///< The same for every beam.
+  std::vector<sensor::SubRay> sub_rays;  ///< Sub-rays, the same for every beam.
   LidarConfiguration configuration;      ///< With all directions and timings.
   std::vector<float> weight;             ///< The share of the beam's energy of each sub-ray.
 };
@@ -23,7 +23,7 @@ struct Profile {
 /// thin ray. `sensor` is a name of the catalogue or a file. Throws as `sensor::load` does.
 Profile make_profile(const std::string& sensor, int columns, int rows);
 
-/// What an environment simulator needs to be asked for, so that it fires these rays.
+/// The configuration that an environment simulator needs, so that it fires these rays.
 SensorViewConfiguration request_of(const Profile& profile, uint64_t sensor_id,
                                    const Mounting& mounting);
 

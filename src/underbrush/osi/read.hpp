@@ -1,11 +1,11 @@
 /// \file
 /// This file decodes OSI's messages.
 ///
-/// All functions accept messages of OSI 3.0 to 3.8: fields that they do not know are passed over,
-/// as the wire format asks for. They throw `FormatError`, which names `source` and the field, for
-/// bytes that are not a message, for numbers that are not finite, and for values that make no sense
-/// (negative extents, nanoseconds of a second or more, another major version). No input makes them
-/// fail otherwise, except for want of memory.
+/// All functions accept messages of OSI 3.0 to 3.8: unknown fields are passed over, as the wire
+/// format demands. They throw `FormatError`, which names `source` and the field, for bytes that are
+/// not a message, for numbers that are not finite, and for values that make no sense (negative
+/// extents, nanoseconds of a second or more, another major version). No input makes them fail
+/// otherwise, except for want of memory.
 #pragma once
 #include <string>
 #include <string_view>

@@ -16,7 +16,7 @@ struct ReplayOptions {
   std::string chain;                    ///< File of a chain.
   std::vector<std::string> strategies;  ///< Each is NAME[:KEY=VALUE,...].
   std::string sensor, world;            ///< The tracer takes both, the front end the sensor.
-  std::string actors;                   ///< The tracer takes the models of what moves from here.
+  std::string actors;                   ///< Folder of the models of movers, for the tracer.
   uint64_t seed = 1;                    ///< The seed of our strategies that have none in the chain.
 };
 
@@ -30,8 +30,8 @@ class Replay {
  public:
   /// The reader must outlive this, and stands at its beginning. Throws as `chain_of` does.
   Replay(TraceReader& reader, const ReplayOptions& options);
-  /// Replaces `data` by what the chain makes of the next message. Returns false at the end. Throws
-  /// `FormatError`.
+  /// Replaces `data` by the result of the chain for the next message. Returns false at the end.
+  /// Throws `FormatError`.
   bool next(SensorData& data);
 
  private:

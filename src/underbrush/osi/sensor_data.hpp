@@ -1,5 +1,5 @@
 /// \file
-/// This file has what a sensor model reports: OSI's message SensorData with the detections of
+/// This file has the output of sensor models: OSI's message SensorData with the detections of
 /// lidars, the detections in the vehicle's frame, and the detected objects.
 #pragma once
 #include <cstdint>
@@ -31,7 +31,7 @@ struct LidarDetection {
 struct DetectionHeader {
   std::optional<Timestamp> measurement_time;
   std::optional<uint64_t> cycle_counter;
-  std::optional<Mounting> mounting;  ///< Where the lidar is in the vehicle's frame.
+  std::optional<Mounting> mounting;  ///< Mounting of the lidar in the vehicle's frame.
   DataQualifier qualifier = DataQualifier::kUnknown;
   std::optional<uint32_t> valid_detections;
   std::optional<uint64_t> sensor_id;
@@ -95,7 +95,7 @@ struct SensorData {
   std::optional<Timestamp> timestamp;
   std::optional<BaseMoving> host;  ///< The vehicle's frame in the world's, as it is known on board.
   std::optional<uint64_t> sensor_id;
-  std::optional<Mounting> mounting;  ///< Where the virtual sensor is.
+  std::optional<Mounting> mounting;  ///< Mounting of the virtual sensor.
   /// The views that the data come from. They are shared, because they may be large.
   std::vector<std::shared_ptr<const SensorView>> views;
   std::optional<Timestamp> last_measurement_time;

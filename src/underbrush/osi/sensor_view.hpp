@@ -1,5 +1,5 @@
 /// \file
-/// This file has the ground truth of a simulation and what its sensors see: OSI's messages
+/// This file has the ground truth of a simulation and the views of its sensors: OSI's messages
 /// GroundTruth, SensorView and LidarSensorView.
 #pragma once
 #include <cstdint>
@@ -21,7 +21,7 @@ struct MovingObject {
   std::string model_reference;
 };
 
-/// A thing of the ground truth that stands.
+/// A stationary thing of the ground truth.
 struct StationaryObject {
   uint64_t id = kNoId;
   std::optional<Vec3> dimension_m, position_m, roll_pitch_yaw;
@@ -47,7 +47,7 @@ struct Reflection {
   double time_of_flight_s = 0;  ///< There and back; 0 = nothing came back.
   double doppler_shift_hz = 0;
   uint64_t object_id = kNoId;
-  Vec3f normal = Vec3f::Zero();  ///< The surface's, in the sensor's frame; zero = not known.
+  Vec3f normal = Vec3f::Zero();  ///< Surface normal in the sensor's frame; zero = not known.
   bool has_doppler = false;
 
   bool is_miss() const { return time_of_flight_s <= 0; }
@@ -55,9 +55,9 @@ struct Reflection {
 
 /// The configuration of a lidar's rays.
 ///
-/// OSI knows neither beams nor empty rays. Our convention is that the reflections of a view are
-/// dense, with one entry a ray: ray k of beam b has the index b · rays a beam + k, and a ray that
-/// met nothing has an empty reflection. `num_of_pixels` is the number of beams.
+/// OSI has neither beams nor empty rays. Our convention is that the reflections of a view are
+/// dense, with one entry per ray: ray k of beam b has the index b · rays per beam + k, and a ray
+/// that met nothing has an empty reflection. `num_of_pixels` is the number of beams.
 struct LidarConfiguration {
   std::optional<uint64_t> sensor_id;
   std::optional<Mounting> mounting;  ///< In the vehicle's frame.
@@ -65,22 +65,22 @@ struct LidarConfiguration {
   std::optional<uint32_t> rays_horizontal, rays_vertical, most_interactions, beams;
   std::optional<double> emitter_frequency_hz;
   std::vector<Vec3f> directions;     ///< Unit vectors of the rays in the sensor's frame.
-  std::vector<uint32_t> timings_us;  ///< When each ray is fired, µs after the view's time.
+  std::vector<uint32_t> timings_us;  ///< Firing time of each ray, µs after the view's time.
 };
 
-/// What one lidar sees.
+/// The view of one lidar.
 struct LidarSensorView {
   std::optional<LidarConfiguration> configuration;
   std::vector<Reflection> reflections;
 };
 
-/// The input of sensor models: the ground truth, and what environment simulators made of it.
+/// The input of sensor models: the ground truth, and the output of environment simulators.
 struct SensorView {
   std::optional<Version> version;
   std::optional<Timestamp> timestamp;
   std::optional<uint64_t> sensor_id;
   std::optional<Mounting>
-      mounting;  ///< Where the virtual sensor is, in whose frame objects are listed.
+      mounting;  ///< Mounting of the virtual sensor, in whose frame objects are listed.
   std::optional<GroundTruth> truth;
   std::optional<uint64_t> host_vehicle_id;
   std::vector<LidarSensorView> lidar;

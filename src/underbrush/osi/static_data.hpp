@@ -1,18 +1,18 @@
 /// \file
-/// This file keeps what simulators send once only.
+/// This file keeps the data that simulators send only once.
 #pragma once
 #include "underbrush/osi/sensor_view.hpp"
 
 namespace underbrush::osi {
 
 /// The parts of SensorViews that do not change. Some simulators send them in the first message only
-/// (`omit_static_information`): the version, the number of the host vehicle, and where its rear
-/// axle is.
+/// (`omit_static_information`): the version, the number of the host vehicle, and the place of its
+/// rear axle.
 class StaticData {
  public:
-  /// `version` is that of views before one has told it.
+  /// `version` is that of the views before the first one that has a version.
   explicit StaticData(std::optional<Version> version = {}) : version_(version) {}
-  /// Fills in what the view lacks and an earlier one had, also in its bytes.
+  /// Fills in the data that an earlier view had and this one lacks; its bytes get all but the axle.
   void fill(SensorView& view);
 
  private:

@@ -1,6 +1,6 @@
 /// \file
-/// This file has the strategies: exchangeable steps from what a lidar receives to a list of
-/// objects, as [rosenberger20] §4 has them in an FMU. A strategy sees only OSI's SensorData and its
+/// This file has the strategies: exchangeable steps from the reflections of a lidar to a list of
+/// objects, as [rosenberger20] §4 has them in an FMU. A strategy has only OSI's SensorData and its
 /// own parameters.
 #pragma once
 #include <algorithm>
@@ -30,18 +30,18 @@ class Strategy {
   virtual std::unique_ptr<Strategy> clone() const = 0;
 };
 
-/// A strategy as a chain's file names it.
+/// The entry of a strategy in a chain's file.
 struct StrategyEntry {
   std::string name;     ///< One of `strategy_names()`, or any name with a library.
   std::string library;  ///< Path of a shared library of the user's; "" = ours.
   std::map<std::string, std::string> parameters;
-  std::string file, place;  ///< Where the entry stands, for errors.
+  std::string file, place;  ///< The file and the place of the entry, for errors.
 };
 
 /// A parameter of a strategy, for people to read.
 struct StrategyParameter {
   std::string key, fallback;  ///< Its name and its default.
-  std::string values;         ///< What it may be; "" = any text.
+  std::string values;         ///< The allowed values; "" = any text.
 };
 
 /// The parameters of an entry, by name. All functions throw `FormatError`, which names the place,
@@ -53,7 +53,7 @@ class Parameters {
   uint64_t count(const std::string& key, uint64_t fallback, uint64_t most);
   bool flag(const std::string& key, bool fallback);
   std::string text(const std::string& key, const char* fallback);
-  /// One of several words; returns its index.
+  /// Returns the index of the value among several words.
   size_t choice(const std::string& key, const std::vector<std::string_view>& words);
   /// Sets an option from the parameter of its name, which has `_` for `-` and ends with the unit.
   template <class T>

@@ -28,7 +28,7 @@ class TraceReader {
   /// Replaces `message` by the bytes of the next one. Returns false at the end. Throws
   /// `FormatError` where the file ends within a message.
   bool next(std::string& message);
-  /// Where the last message is, for errors: "FILE: message N".
+  /// The place of the last message, for errors: "FILE: message N".
   const std::string& place() const { return place_; }
   /// Number of messages read so far.
   size_t read() const { return read_; }
@@ -45,7 +45,7 @@ class TraceReader {
   MessageType type_;
 };
 
-/// Tells what kind of message these bytes are, by the fields that only one kind has; nothing if
+/// Returns the kind of message of these bytes, by the fields that only one kind has; nothing if
 /// they could be of any.
 std::optional<MessageType> type_of_message(std::string_view bytes);
 /// The kind of messages by the name of a trace.
@@ -54,14 +54,14 @@ std::optional<MessageType> type_of_name(const std::filesystem::path& path);
 bool is_trace_file(const std::filesystem::path& path);
 
 /// The number of the field with the provenance of a trace, of the range that protobuf leaves to
-/// private use. Readers that do not know it pass it over.
+/// private use. Other readers skip it.
 inline constexpr uint32_t kProvenanceField = 50001;
 
 /// Writes a trace, which appears as a whole with `close()`.
 class TraceWriter {
  public:
-  /// `provenance` is JSON; unless it is empty, it begins the first message as a field that OSI
-  /// does not know (`kProvenanceField`). Throws `IoError`.
+  /// `provenance` is JSON; unless it is empty, it begins the first message as a field that is not
+  /// one of OSI (`kProvenanceField`). Throws `IoError`.
   explicit TraceWriter(const std::filesystem::path& path, std::string provenance = "");
   /// Throws `std::invalid_argument` for a message of 2 GiB or more, which OSI does not allow.
   void write(std::string_view message);

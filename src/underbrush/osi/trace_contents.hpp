@@ -1,5 +1,5 @@
 /// \file
-/// This file sums up what a trace holds.
+/// This file sums up the contents of a trace.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace underbrush::osi {
 
-/// What a trace holds, summed over its messages.
+/// The contents of a trace, summed over its messages.
 struct TraceContents {
   size_t messages = 0, bytes = 0, most_moving = 0, stationary = 0, lanes = 0, lidars = 0;
   size_t reflections = 0, returns = 0, detections = 0, logical = 0, objects = 0, listed = 0;
@@ -21,7 +21,7 @@ struct TraceContents {
   std::optional<uint64_t> host;
   std::set<uint64_t> moving, tracks;  ///< Numbers of objects.
 
-  /// Adds what a message holds.
+  /// Adds the contents of a message.
   void add(const std::optional<Version>& version, const std::optional<Timestamp>& time);
   void add(const GroundTruth& truth);
   void add(const SensorView& view);

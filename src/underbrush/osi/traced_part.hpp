@@ -12,7 +12,7 @@
 
 namespace underbrush::osi {
 
-/// What a ray met.
+/// The place and the effect of the nearest matter on a ray.
 struct Meeting {
   double range_m = 0;  ///< 0 = nothing.
   double factor = 0;   ///< Reflectance times the effect of the incidence.
@@ -27,8 +27,8 @@ class TracedPart {
   TracedPart(elements::Scene scene, const elements::SceneInfo& info,
              const radiometry::Materials& materials, double wavelength_m);
 
-  /// Traces rays at a time and keeps what is nearer than what is in `nearest`. Matter has the seed,
-  /// and the sensor's noise on ray k the key `keys[k]`. Instances are numbered from
+  /// Traces rays at a time and replaces the entries of `nearest` by nearer meetings. Matter has the
+  /// seed, and the sensor's noise on ray k the key `keys[k]`. Instances are numbered from
   /// `first_instance`.
   void trace(std::span<const Ray> rays, std::span<const uint64_t> keys, uint64_t seed,
              double time_s, const trace::RangeLimits& limits, uint32_t first_instance,

@@ -18,7 +18,7 @@ struct ClassificationOptions {
   Vec3 other_extent_m{3, 1.5, 1.5};
   /// A segment of n points counts with the weight n / (n + n₀), because few points show little.
   double half_points = 20;
-  /// Share of what was known that stays from one cycle to the next.
+  /// Share of the evidence that stays from one cycle to the next.
   double memory = 0.9;
   double least_probability = 0.5;  ///< A class below it is reported as unknown.
 
@@ -26,7 +26,7 @@ struct ClassificationOptions {
   void check() const;
 };
 
-/// What is known of an object's class: the logarithm of the likelihood of each, up to a constant.
+/// The evidence on an object's class: the log-likelihood of each class, up to a constant.
 struct ClassEvidence {
   std::array<double, kClassCount> log_likelihood{};
 };
@@ -38,7 +38,7 @@ class Classification {
   /// Throws `std::invalid_argument` for options out of range. `sizes` are the priors of the sizes.
   Classification(const ClassificationOptions& options, const CompletionOptions& sizes);
 
-  /// Adds what a cycle shows.
+  /// Adds the evidence of a cycle.
   void observe(const SegmentShape& shape, double speed_m_s, ClassEvidence& evidence) const;
   /// The probabilities of the classes; their sum is 1.
   std::array<float, kClassCount> probabilities(const ClassEvidence& evidence) const;

@@ -34,7 +34,7 @@ struct SensorCloud {
 /// columns are as long as `point_m`.
 struct MergedCloud {
   double time_s = 0;        ///< The time at which the frame has the pose below.
-  double available_s = 0;   ///< When the last point was there: its time and its sensor's latency.
+  double available_s = 0;   ///< Time at which the last point was available: its time plus latency.
   Pose world_from_vehicle;  ///< The pose of the frame at `time_s`.
   std::vector<Vec3f> point_m;   ///< In the vehicle's frame.
   std::vector<double> stamp_s;  ///< Time of each point by the vehicle's clock.

@@ -31,7 +31,7 @@ struct ClusterOptions {
   void check() const;
 };
 
-/// Separates ground from what stands on it, and that into clusters.
+/// Separates the points above the ground from the ground, and divides them into clusters.
 ///
 /// Ground, "cone": the second lowest point of each cell gives its height, and the ground is the
 /// lower envelope of the cones of the given slope that stand on these heights, found by two passes

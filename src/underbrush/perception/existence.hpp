@@ -11,15 +11,15 @@ namespace underbrush::perception {
 
 /// The rule by which an object is listed.
 enum class ExistenceRule : uint8_t {
-  kProbability,  ///< As long as the existence probability reaches a threshold.
+  kProbability,  ///< The existence probability of a listed object reaches a threshold.
   kInARow,       ///< After so many cycles in a row with points; until so many without.
   kOutOf,        ///< After so many cycles with points in a window; until so many without.
 };
 
-/// How the existence probability changes, and how many points an object needs to begin.
+/// The changes of the existence probability, and the points that an object needs to begin.
 struct ExistenceStep {
-  double gain = 0.2;          ///< What a cycle with enough points adds.
-  double loss = 0.055;        ///< What any other cycle takes away.
+  double gain = 0.2;          ///< Increase by a cycle with enough points.
+  double loss = 0.055;        ///< Decrease by any other cycle.
   uint32_t start_points = 3;  ///< An object that is not listed needs more points than these.
 };
 
@@ -36,8 +36,8 @@ struct ExistenceOptions {
   /// m; the gain of a segment whose horizontal extent is smaller is reduced in proportion; 0 =
   /// never.
   double full_extent_m = 0;
-  int needed = 5;   ///< Cycles with points that `kInARow` and `kOutOf` ask for.
-  int window = 10;  ///< Cycles among which `kOutOf` looks for them; at most 32.
+  int needed = 5;   ///< Cycles with points that `kInARow` and `kOutOf` require.
+  int window = 10;  ///< Cycles in the window of `kOutOf`; at most 32.
   int lost = 10;    ///< Cycles in a row without points after which these two rules drop an object.
 
   /// Throws `std::invalid_argument` where a value is out of range.

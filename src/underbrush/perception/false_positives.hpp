@@ -11,11 +11,11 @@ namespace underbrush::perception {
 /// The options of `FalsePositives`.
 struct FalsePositiveOptions {
   double rate_per_s = 0;     ///< Mean number of ghosts that appear in a second.
-  double mean_life_s = 0.5;  ///< Mean time for which one stays.
+  double mean_life_s = 0.5;  ///< Mean time for which a ghost stays.
   double least_range_m = 3, most_range_m = 60;
   double field_rad = 2 * M_PI;  ///< Horizontal field of view, about the vehicle's x axis.
   Vec3 least_size_m{0.3, 0.3, 0.3}, most_size_m{2, 2, 1.5};
-  double drift_m_s = 0.3;  ///< Standard deviation of its velocity along x and y.
+  double drift_m_s = 0.3;  ///< Standard deviation of a ghost's velocity along x and y.
 
   /// Throws `std::invalid_argument` where a value is out of range.
   void check() const;
@@ -32,7 +32,7 @@ class FalsePositives {
  public:
   /// Throws `std::invalid_argument` for options out of range.
   explicit FalsePositives(const FalsePositiveOptions& options = {}, uint64_t seed = 1);
-  /// Adds the ghosts to a list. Of the first list it knows no time step, so it adds none.
+  /// Adds the ghosts to a list. The first list has no time step, so it gets none.
   void step(ObjectList& list);
   /// Forgets all ghosts, and begins the sequence of random numbers anew.
   void reset();

@@ -12,7 +12,7 @@
 
 namespace underbrush::perception {
 
-/// What a cell is said to be.
+/// The label of a cell.
 enum class CellLabel : uint8_t { kUnknown, kFree, kPermeable, kSolid };
 
 /// The label of each cell, row by row from the least y on: its most probable state if it is at

@@ -14,8 +14,8 @@ namespace underbrush::perception {
 /// The higher order tracking accuracy [luiten21]; each value lies between 0 and 1.
 struct Hota {
   double hota = 0;         ///< Mean over the thresholds of √(detection · association).
-  double detection = 0;    ///< Objects that both have over those that one has, mean.
-  double association = 0;  ///< How far numbers stay with their objects, mean.
+  double detection = 0;    ///< Mean share of the objects of either list that both have.
+  double association = 0;  ///< Mean agreement of the numbers of matched objects.
 };
 
 /// Counts the objects of cycles for `Hota`.

@@ -17,14 +17,14 @@ struct ListScoreOptions {
   double gate_m = 3;          ///< m; centres farther apart (x, y) are not of one object.
   double tolerance_s = 0.05;  ///< Lists whose times differ by more do not belong together.
   double bin_m = 10;          ///< m; bins of the detection rate by range.
-  double ospa_cutoff_m = 10;  ///< m; what a missing or superfluous object costs.
+  double ospa_cutoff_m = 10;  ///< m; cost of a missing or superfluous object.
   double ospa_order = 1;
   double hota_zero_m = 2;  ///< m; the distance at which two objects have no similarity for HOTA.
   /// Whether objects that the reference does not have are left out, because it is not complete.
   bool ignore_unmatched = false;
 };
 
-/// An object of the reference at one time, and what the other list has for it.
+/// An object of the reference at one time, and its counterpart in the other list.
 struct Moment {
   double time_s = 0;
   double range_m = 0;  ///< From the vehicle to the centre, x and y.
@@ -39,17 +39,17 @@ struct FollowedObject {
   std::vector<Moment> moments;
 };
 
-/// Objects of the reference in a range bin, and how many of them the other list has.
+/// Objects of the reference in a range bin, and the number of them in the other list.
 struct RangeBin {
   double from_m = 0;
   size_t objects = 0, found = 0;
 };
 
-/// How a list compares with a reference.
+/// The scores of a list against a reference.
 struct ListScore {
   size_t cycles = 0;     ///< Cycles that both have.
   size_t objects = 0;    ///< Objects of the reference, over all cycles.
-  size_t found = 0;      ///< How many of them the list has.
+  size_t found = 0;      ///< Number of these that the list has.
   size_t unmatched = 0;  ///< Objects of the list that the reference does not have.
   size_t switches = 0;   ///< Times that an object has another id than when it was last found.
   double position_mean_m = 0, position_rms_m = 0;  ///< Error of the centre, x and y, where found.

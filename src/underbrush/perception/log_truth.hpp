@@ -10,7 +10,7 @@
 
 namespace underbrush::perception {
 
-/// A labelled object at the time at which the sensor looked at it.
+/// A labelled object at the time at which the sensor scanned it.
 struct SeenBox {
   uint32_t scan = 0;
   double time_s = 0;
@@ -27,8 +27,8 @@ struct LogTruthOptions {
 /// The ground truth of a log.
 ///
 /// Labelled boxes are in the frame of the sensor at their scan. If the log is de-skewed, a box
-/// belongs to the time at which the sensor looked at it, t = t_scan ± bearing / 2π · revolution,
-/// and is placed with the pose of that time. Lists of objects are in the world's frame and are
+/// belongs to the time at which the sensor scanned it, t = t_scan ± bearing / 2π · revolution, and
+/// is placed with the pose of that time. Lists of objects are in the world's frame and are
 /// interpolated.
 class LogTruth {
  public:

@@ -15,7 +15,7 @@ struct MotionOptions {
   double climb_m_s = 0.2;       ///< The vertical speed.
   double position_m = 0.1;      ///< A measured position.
   double yaw_rad = 0.05;        ///< A measured heading.
-  double start_speed_m_s = 10;  ///< The speed when nothing is known of it.
+  double start_speed_m_s = 10;  ///< The speed of an object that was measured once.
   double start_yaw_rate_rad_s = 0.3;
   double acceleration_time_s = 0.5;  ///< Time over which the reported acceleration is smoothed.
 
@@ -44,7 +44,7 @@ class MotionFilter {
   /// last update. A heading that is farther off than three standard deviations counts less.
   void update(const MotionOptions& options, const Vec3& position, std::optional<double> yaw_rad,
               double time_s);
-  /// Sets the velocity to what two positions `time_s` apart tell (m).
+  /// Sets the velocity from the difference `moved` (m) of two positions `time_s` apart.
   void set_velocity(const MotionOptions& options, const Vec3& moved, double time_s,
                     bool heading_is_known);
   /// Moves the position without a change of its covariance, when another point is tracked.

@@ -1,5 +1,5 @@
 /// \file
-/// The marks of `movers` held against labelled boxes.
+/// The marks of `movers` compared with labelled boxes.
 #pragma once
 #include <map>
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace underbrush::perception {
 
-/// Returns of a kind of labelled objects, and how many of them are marked.
+/// Labelled objects of a kind, their returns, and the marked ones among these.
 struct MarkedReturns {
   size_t objects = 0, returns = 0, marked = 0;
 };
@@ -18,7 +18,7 @@ struct MarkedReturns {
 /// whether it moved by more than 1 m while it was labelled.
 struct MoverScore {
   std::map<std::string, MarkedReturns> moving, standing;
-  MarkedReturns elsewhere;  ///< In no box of the scan; boxes may be of a part of the view only.
+  MarkedReturns elsewhere;  ///< Returns in no box of the scan; boxes may cover a part of the view.
 };
 
 /// Scores the marks of a log's rows. Rewinds the log.

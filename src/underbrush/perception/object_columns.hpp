@@ -9,7 +9,7 @@
 
 namespace underbrush::perception {
 
-/// A value of an object: its name in files, and where it is.
+/// A value of an object: its name in files, and the access to it.
 struct ObjectColumn {
   const char* name;
   double& (*value)(TrackedObject&);

@@ -11,7 +11,7 @@
 
 namespace underbrush::perception {
 
-/// Whether a value is one of the box, without which an object is none.
+/// Whether a column is one of the box, which each object must have.
 bool is_of_box(std::string_view column);
 /// The lists as the text of a CSV file.
 std::string csv_of(std::span<const ObjectList> lists);

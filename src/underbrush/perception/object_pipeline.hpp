@@ -1,5 +1,5 @@
 /// \file
-/// This file has a real processing of point clouds to object lists, which knows no ground truth. It
+/// This file has a real processing of point clouds to object lists, which uses no ground truth. It
 /// stands for the unknown software of a sensor ([rosenberger20] §5).
 #pragma once
 #include <vector>
@@ -20,11 +20,11 @@ struct PipelineOptions {
   ShapeOptions shape;
   ClassificationOptions classification;
   TrackOptions track;
-  /// m; a segment this far from where a track expects its own is not taken for it. The gate grows
-  /// by two standard deviations of the track's position.
+  /// m; a segment this far from the predicted place of a track is not assigned to it. The gate
+  /// grows by two standard deviations of the track's position.
   double gate_m = 1.5;
   double most_gate_m = 4;
-  double latency_s = 0;  ///< From the cloud until the list is there.
+  double latency_s = 0;  ///< Time from the cloud to its list.
 
   /// Throws `std::invalid_argument` where a value is out of range.
   void check() const;

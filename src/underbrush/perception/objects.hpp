@@ -61,10 +61,10 @@ struct TrackedObject {
   ObjectClass label = ObjectClass::kUnknown;     ///< The most probable class.
   std::array<float, kClassCount> probability{};  ///< The probability of each class; the sum is 1.
   double existence = 0;                          ///< Probability, in [0, 1].
-  double age_s = 0;                              ///< Since the track began.
+  double age_s = 0;                              ///< Time since the track began.
   bool is_measured = false;  ///< Whether this cycle had points of it; else it is predicted.
   uint32_t points = 0;       ///< Number of points in this cycle.
-  OrientedBox box;           ///< What is reported: completed, if the stage completes boxes.
+  OrientedBox box;           ///< The reported box: completed, if the stage completes boxes.
   Vec3 measured_size_m = Vec3::Zero();  ///< Extents of the points alone.
   Vec3 reference_m = Vec3::Zero();      ///< The reference point that is tracked.
   Vec3 velocity_m_s = Vec3::Zero();
@@ -79,8 +79,8 @@ struct TrackedObject {
 /// The objects at one time (IF3).
 struct ObjectList {
   double time_s = 0;                   ///< The time that the objects' states describe.
-  double available_s = 0;              ///< When the list was there.
-  Pose world_from_vehicle;             ///< At `time_s`.
+  double available_s = 0;              ///< The time from which the list is available.
+  Pose world_from_vehicle;             ///< The vehicle's pose at `time_s`.
   std::vector<TrackedObject> objects;  ///< In ascending order of id.
 };
 

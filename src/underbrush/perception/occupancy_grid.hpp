@@ -1,6 +1,6 @@
 /// \file
-/// This file maps the free space around a vehicle on a grid, and tells solid obstacles from matter
-/// that lets beams pass ([rosenberger20] §5).
+/// This file maps the free space around a vehicle on a grid, and distinguishes solid obstacles from
+/// permeable matter ([rosenberger20] §5).
 #pragma once
 #include <array>
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace underbrush::perception {
 
-/// What a cell may hold.
+/// The content of a cell.
 enum class CellState : uint8_t {
   kFree,
   kPermeable,  ///< Vegetation: some beams end in it, and others pass through it.
@@ -43,9 +43,9 @@ struct GridOptions {
 /// A beam that passes through grass thus lowers the odds of an obstacle there, and hits among
 /// passes raise those of vegetation. The order of the beams has no effect.
 ///
-/// A beam that ends below the band has shown the cells before its end to be free as far as it was
-/// in the band. The cells are those of the world's axes, and the grid moves with the vehicle by
-/// whole cells. After the first cycle it allocates no memory.
+/// A beam that ends below the band counts as a pass of the cells that it crossed in the band. The
+/// cells are those of the world's axes, and the grid moves with the vehicle by whole cells. After
+/// the first cycle it allocates no memory.
 class OccupancyGrid {
  public:
   /// Throws `std::invalid_argument` for options out of range.
@@ -55,7 +55,7 @@ class OccupancyGrid {
   /// Forgets all cells.
   void reset();
 
-  /// Cells along each side.
+  /// The number of cells along each side.
   size_t columns() const { return columns_; }
   double cell_m() const { return options_.cell_m; }
   /// The corner of the grid with the least x and y, world frame, m.

@@ -9,8 +9,8 @@
 
 namespace underbrush::perception {
 
-/// The latency of the processing as its user sees it: at a time there is the newest list that was
-/// available by then. Its state is a plain value.
+/// The latency of the processing: the user gets the newest list that is available at a time. Its
+/// state is a plain value.
 class OutputDelay {
  public:
   /// Adds a list. Lists come in order of `time_s`. The memory of lists that were replaced is used

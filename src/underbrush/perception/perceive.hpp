@@ -13,7 +13,7 @@
 
 namespace underbrush::perception {
 
-/// What a log is turned into lists with.
+/// The stages and options by which a log is turned into lists.
 struct PerceptionSetup {
   std::optional<Rig> rig;
   CycleOptions cycles;
@@ -25,15 +25,15 @@ struct PerceptionSetup {
   uint64_t seed = 1;
 };
 
-/// Lists of objects, a list a scan.
+/// Lists of objects, one for each scan.
 struct PerceivedLog {
   std::vector<ObjectList> lists, truth;  ///< `truth` is empty if there is none.
   size_t points = 0;
-  double seconds = 0;  ///< Without reading and alignment.
+  double seconds = 0;  ///< Duration without reading and alignment.
 };
 
-/// Turns a log into lists, and shows the cloud of each cycle to `see`, if there is one. `truth` may
-/// be null for the real pipeline. Throws `std::invalid_argument` for options out of range, and
+/// Turns a log into lists, and passes the cloud of each cycle to `see`, if there is one. `truth`
+/// may be null for the real pipeline. Throws `std::invalid_argument` for options out of range, and
 /// `DataError`.
 PerceivedLog perceived(BeamSource& log, const LogTruth* truth, const PerceptionSetup& setup,
                        const std::function<void(const MergedCloud&)>& see = {});

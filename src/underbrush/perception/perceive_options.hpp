@@ -10,14 +10,14 @@
 
 namespace underbrush::perception {
 
-/// The words of the options that turn labelled boxes, "truth-elevation-deg" and the like.
+/// The help of the options that turn labelled boxes, "truth-elevation-deg" and the like.
 inline constexpr const char* kElevationHelp =
     "Turn labelled boxes up by this angle, if import turned the beams by it";
 
-/// The options of `perceive`. Words are those of the command line; a text is empty where it is not
-/// given.
+/// The options of `perceive`. Their words are those of the command line; a text is empty where it
+/// is not given.
 struct PerceiveOptions {
-  /// File of the true objects, and by how much labelled boxes in it are turned up.
+  /// File of the true objects, and the elevation by which labelled boxes in it are turned.
   std::string truth;
   double truth_elevation_deg = 0;
   std::string pipeline = "model";  ///< "model", which assigns points by the truth, or "real".
@@ -25,7 +25,7 @@ struct PerceiveOptions {
   std::string existence = "probability", reference = "corner", heading = "points", ground = "cone";
   double latency_ms = 0;
   bool as_measured = false, no_deskew = false;
-  /// What the words do not say. `real.track` is that of `model.track`.
+  /// The options that are not words above. `real.track` is that of `model.track`.
   PerceptionSetup setup;
   GridOptions grid;
   FreeAreaOptions area;

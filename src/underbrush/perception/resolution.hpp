@@ -1,5 +1,5 @@
 /// \file
-/// This file merges the segments of objects that a sensor cannot tell apart, and splits them again
+/// This file merges the segments of objects that a sensor cannot resolve, and splits them again
 /// ([rosenberger20] §5).
 #pragma once
 #include <cstdint>

@@ -1,5 +1,5 @@
 /// \file
-/// This file has the rig: the sensors of a vehicle and where they are mounted.
+/// This file has the rig: the sensors of a vehicle and their mounting.
 #pragma once
 #include <string>
 #include <vector>
@@ -16,7 +16,7 @@ struct MountedSensor {
   std::string name;    ///< Unique in the rig.
   std::string sensor;  ///< Name in the catalogue, or path of a YAML file.
   Pose vehicle_from_sensor;
-  double latency_s = 0;       ///< From the measurement of a point until it can be processed.
+  double latency_s = 0;       ///< Time from a point's measurement until it can be processed.
   double clock_offset_s = 0;  ///< The sensor's clock less the vehicle's clock.
 };
 

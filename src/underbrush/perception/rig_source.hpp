@@ -16,7 +16,7 @@ std::vector<sensor::Sensor> sensors_of(const Rig& rig);
 
 /// A part of the time in which the sensors of a rig fire, s.
 struct FiringTime {
-  double start_s = 0;              ///< When all sensors began to fire.
+  double start_s = 0;              ///< The time at which all sensors began to fire.
   double from_s = 0, until_s = 0;  ///< Beams of [from_s, until_s).
 };
 
@@ -51,7 +51,7 @@ class RigSource : public BeamSource {
   struct Stream;
   /// The sensor of the next beam; none at the end.
   std::optional<size_t> earliest() const;
-  /// How many beams of its chunk that sensor fires before another one does.
+  /// The number of beams of its chunk that a sensor fires before another one does.
   size_t beams_in_a_row(size_t sensor) const;
 
   std::vector<sensor::Sensor> sensors_;

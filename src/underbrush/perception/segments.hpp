@@ -15,7 +15,7 @@ inline constexpr uint32_t kNoSegment = UINT32_MAX;
 /// The points of a cloud in the order of their segments.
 struct Segments {
   std::vector<uint32_t> of_point;  ///< Segment of each point, or `kNoSegment`.
-  std::vector<uint32_t> begin;     ///< Where each segment begins in `point_m`, and the end.
+  std::vector<uint32_t> begin;     ///< Begin of each segment in `point_m`, and the end.
   std::vector<Vec3> point_m;       ///< The points of the segments, in the world's frame.
 
   /// Number of segments.

@@ -1,6 +1,6 @@
 /// \file
-/// This file completes the box of an object that was seen from one side, by what is known of the
-/// sizes of its class.
+/// This file completes the box of an object that was seen from one side, by the prior of the sizes
+/// of its class.
 #pragma once
 #include <array>
 
@@ -47,10 +47,10 @@ struct CompletedBox {
 
 /// Estimates the extent L of an object from the extent m of its points and the prior L ~ N(μ, σ²).
 ///
-/// With the probability `hidden` a part of the object is not seen, and m is only a lower bound: L
-/// has the normal distribution truncated to L ≥ m, and m has the density 1/μ up to L. Otherwise m =
-/// L
-/// + N(0, s²). The result has the mean and standard deviation of the posterior mixture.
+/// With the probability `hidden` a part of the object is not seen, and m is only a lower bound:
+/// L has the normal distribution truncated to L ≥ m, and m has the density 1/μ up to L.
+/// Otherwise m = L + N(0, s²). The result has the mean and standard deviation of the posterior
+/// mixture.
 Estimate complete_extent(double measured_m, const Estimate& prior, double measured_sigma_m,
                          double hidden);
 

@@ -1,6 +1,6 @@
 /// \file
-/// This file has a track: what is known of one object from cycle to cycle. The tracking model and
-/// the real pipeline share it.
+/// This file has a track: the state of one object from cycle to cycle. The tracking model and the
+/// real pipeline share it.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -30,7 +30,7 @@ struct TrackOptions {
   int size_window = 3;
   /// m; the reported length, width and height are at least these.
   Vec3 least_size_m{0, 0, 0};
-  /// m; an object that has moved so far tells its heading by its direction.
+  /// m; the heading of an object that has moved so far is that of its motion.
   double heading_distance_m = 1.5;
 
   static constexpr int kMostWindow = 8;
@@ -58,7 +58,7 @@ struct Track {
   Vec3 offset_m = Vec3::Zero();
   Vec3 measured_offset_m = Vec3::Zero();  ///< The `offset_m` of the box around the points alone.
   std::array<int, 2> corner{1, 1};        ///< Signs of the tracked corner in the frame of the box.
-  Vec3 anchor_m = Vec3::Zero();  ///< Where the object was when its direction was last compared.
+  Vec3 anchor_m = Vec3::Zero();  ///< Place of the object when its direction was last compared.
 
   /// Moves the state to a time. Until a measurement follows, the track is not measured.
   void predict(const TrackOptions& options, double time_s);
@@ -72,9 +72,9 @@ struct Track {
   void follow_motion(const TrackOptions& options);
   /// Turns the heading by quarter turns; the box stays, with its sides in other roles.
   void turn(const TrackOptions& options, int quarters);
-  /// The centre of the box around its points alone, as it should be now.
+  /// The centre of the box around its points alone, for the state of the filter.
   Vec3 measured_centre_m() const;
-  /// What a list says of it.
+  /// The state as an object of a list.
   TrackedObject reported() const;
 
  private:

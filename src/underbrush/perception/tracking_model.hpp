@@ -13,10 +13,10 @@
 
 namespace underbrush::perception {
 
-/// Where the heading of a box comes from.
+/// The source of the heading of a box.
 enum class HeadingSource : uint8_t {
-  /// The points, with the help of the truth to tell which side is the front. A segment without a
-  /// heading of its own takes that of the truth.
+  /// The points; the truth decides which side is the front. A segment without a heading of its own
+  /// takes that of the truth.
   kPoints,
   kTruth,  ///< The truth, as in the model that the authors of [rosenberger20] published.
 };
@@ -28,7 +28,7 @@ struct TrackingOptions {
   ShapeOptions shape;
   TrackOptions track;
   HeadingSource heading = HeadingSource::kPoints;
-  double latency_s = 0;  ///< From the cloud until the list is there.
+  double latency_s = 0;  ///< Time from the cloud to its list.
 
   /// Throws `std::invalid_argument` where a value is out of range.
   void check() const;

@@ -1,5 +1,5 @@
 /// \file
-/// This file reads the ground truth of a recording and tells where its objects are at a time.
+/// This file reads the ground truth of a recording and interpolates its objects in time.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -25,7 +25,7 @@ std::vector<LabelledBox> read_labelled_boxes(const std::filesystem::path& path);
 /// The ground truth over time.
 class TruthSequence {
  public:
-  /// Frames in any order; no two may have the same time, or `std::invalid_argument` is thrown.
+  /// Frames may be in any order; `std::invalid_argument` is thrown where two have the same time.
   explicit TruthSequence(std::vector<TruthFrame> frames);
   /// Takes lists of objects as ground truth.
   explicit TruthSequence(std::span<const ObjectList> lists);

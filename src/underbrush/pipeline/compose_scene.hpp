@@ -26,7 +26,7 @@ struct ComposeOptions {
   /// theirs, as seen from above.
   std::vector<std::string> leave_out;
   bool allow_outside = false;
-  bool strict = false;  ///< An object that cannot be placed as annotated is an error.
+  bool strict = false;  ///< Whether an object that cannot be placed as annotated is an error.
 };
 
 /// The options of `compose`.
@@ -41,15 +41,15 @@ struct NamedSet {
 };
 
 /// Reads the set in the folder `name`. The name `mesh_primitives` always means the set of the
-/// generated plants, with which the comparison simulator of [tallavajhula18] §V composes: that
-/// which `meshes generated` writes with that seed and no other option. A folder of that name must
-/// be written as `./mesh_primitives`; a set in it gives a warning. Throws `FormatError`.
+/// generated plants, with which the comparison simulator of [tallavajhula18] §V composes: the set
+/// that `meshes generated` writes with that seed and no other option. A folder of that name must be
+/// written as `./mesh_primitives`; a set in it gives a warning. Throws `FormatError`.
 NamedSet primitives_named(const std::string& name, uint64_t seed);
 
-/// A composed scene, and what it was made of.
+/// A composed scene, and its inputs.
 struct ComposedScene {
   primitives::Composition composition;
-  size_t primitives_left_out = 0;             ///< By `ComposeOptions::leave_out`.
+  size_t primitives_left_out = 0;             ///< Primitives that `leave_out` excludes.
   std::vector<std::filesystem::path> inputs;  ///< The files and folders that were read.
   std::vector<std::string> warnings;
   double seconds = 0;

@@ -1,5 +1,5 @@
 /// \file
-/// This file explains why a simulated beam ends where it does.
+/// This file explains the end of a simulated beam.
 #pragma once
 #include <optional>
 #include <vector>
@@ -17,10 +17,10 @@ struct MetElement {
   double reach = 1;      ///< The probability that a beam reaches the element.
 };
 
-/// What ends a beam.
+/// The cause of the end of a beam.
 enum class EndsBy { kMiss, kElement, kKeyframe, kUnknownSpace };
 
-/// Why a beam ends where it does.
+/// The explanation of the end of a beam.
 struct Explanation {
   trace::RangeLimits limits;
   std::vector<MetElement> met;  ///< In order of range.

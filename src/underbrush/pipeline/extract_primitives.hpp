@@ -19,9 +19,9 @@ struct ExtractOptions {
 /// The options of `extract`.
 std::span<const Option<ExtractOptions>> extract_options();
 
-/// Reads a model, or of the world of regions of a model the part with what `extract_primitives`
-/// cuts out along a labelled log, which is read once. Throws `FormatError`, also for a scene's
-/// world, and as `primitives::extract` does.
+/// Reads a model, or of the world of regions of a model the part that `extract_primitives` cuts
+/// primitives out of, along a labelled log, which is read once. Throws `FormatError`, also for a
+/// scene's world, and as `primitives::extract` does.
 elements::Model read_model_along(const std::filesystem::path& path, BeamSource& labelled,
                                  const ExtractOptions& options);
 

@@ -26,11 +26,11 @@ struct FitLog {
   std::filesystem::path file = {};  ///< Empty for a log that is in no file.
 };
 
-/// A model with all that its folder keeps.
+/// A model and the other data of its folder.
 struct TrainedModel {
   elements::Model model;
-  /// What an update needs. Its record has no tiles where the fitter cannot update its models, and
-  /// it has no logs where the model's log is in no file.
+  /// The training, for updates. Its record has no tiles where the fitter cannot update its models,
+  /// and it has no logs where the model's log is in no file.
   fit::Training training;
   std::filesystem::path folder;  ///< The folder that it was read from; empty for a new model.
   double seconds = 0;            ///< s; the time that `fit_model` or `update_model` took.

@@ -1,5 +1,5 @@
 /// \file
-/// Checks of an imported log against what cannot be: wrong conventions of its files.
+/// Checks of an imported log for impossible values, a sign of wrong conventions of its files.
 #pragma once
 #include <string>
 #include <vector>
@@ -28,9 +28,9 @@ std::vector<std::string> warnings_of_poses(const std::vector<ScanInfo>& scans);
 
 /// Compares up to four pairs of scans, between which the sensor moved by a metre or turned by ten
 /// degrees: the share of the upper half of one scan's points that lie in cells (0.4 m) of the
-/// other's. Returns a warning where the poses as they are give less than 0.4 and one of these
-/// gives 0.2 more: their inverses (sensor from world), their quaternions with w first, their
-/// positions in mm. Returns "" where nothing is to be said. Reads the scans of the pairs.
+/// other's. Returns a warning where the poses as they are give less than 0.4 and one of these gives
+/// 0.2 more: their inverses (sensor from world), their quaternions with w first, their positions in
+/// mm. Returns "" without such a finding. Reads the scans of the pairs.
 std::string warning_of_overlap(ScanSource& scans, const std::vector<ScanInfo>& infos);
 
 }  // namespace underbrush::pipeline

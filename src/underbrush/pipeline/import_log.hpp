@@ -14,7 +14,7 @@
 
 namespace underbrush::pipeline {
 
-/// What became of the records of an imported log.
+/// The counts of the records of an imported log.
 struct ImportReport {
   std::string format;
   size_t scans = 0, beams = 0;
@@ -22,7 +22,7 @@ struct ImportReport {
   sensor::BeamCounts beam;
   std::map<std::string, size_t> skipped;  ///< Records left out, by reason.
   std::optional<io::ScanClock> clock;
-  std::vector<std::string> notes;  ///< What was assumed.
+  std::vector<std::string> notes;  ///< Assumptions of the reader.
   /// There is a warning where more than 3 % of the recorded misses are lost, because hit
   /// probabilities are learnt from misses.
   std::vector<std::string> warnings;

@@ -11,8 +11,8 @@
 
 namespace underbrush::pipeline {
 
-/// The options of `import`. Words are those of the command line; a text is empty where it is not
-/// given.
+/// The options of `import`. Their words are those of the command line; a text is empty where it is
+/// not given.
 struct ImportOptions {
   std::string format;                ///< One of `io::input_formats()`; "" = detected.
   std::string poses, times, labels;  ///< Files.

@@ -53,7 +53,7 @@ class LabelledSource : public BeamSource {
   size_t size() const override { return log_.size(); }
   void rewind() override;
   bool next(BeamLog& chunk) override;
-  /// Returns the counts of what was read since the last `rewind`.
+  /// Returns the counts of the rows that were read since the last `rewind`.
   const LabelledCounts& counts() const { return counts_; }
 
  private:

@@ -1,5 +1,5 @@
 /// \file
-/// What a log holds, as the verb `info` tells it.
+/// The contents of a log for the verb `info`.
 #pragma once
 #include <cmath>
 #include <cstdint>

@@ -1,5 +1,5 @@
 /// \file
-/// The verb `movers`: a log in, the same log with marks at the returns of what moved out.
+/// The verb `movers`: a log in, the same log with marks at the returns of moving things out.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -17,10 +17,10 @@ struct MoverMarks {
   size_t returns = 0, marked = 0;
 };
 
-/// Marks the returns of what moved during a log, which messages call `file`. `write` receives the
-/// marked log chunk by chunk, each with the marks of its rows. `progress(done, total)` may be
-/// empty. Throws `FormatError` for a log of one scan and `std::invalid_argument` for options out of
-/// range.
+/// Marks the returns of things that moved during a log, which messages call `file`. `write`
+/// receives the marked log chunk by chunk, each with the marks of its rows. `progress(done, total)`
+/// may be empty. Throws `FormatError` for a log of one scan and `std::invalid_argument` for options
+/// out of range.
 MoverMarks mark_movers(BeamSource& log, const std::string& file,
                        const movers::MoverOptions& options,
                        const std::function<void(const BeamLog&, std::span<const uint8_t>)>& write,

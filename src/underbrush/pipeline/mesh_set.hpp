@@ -14,9 +14,9 @@ namespace underbrush::pipeline {
 
 /// The options of `meshes`.
 struct MeshesOptions {
-  double variation = 1;                       ///< How much the generated species vary.
-  worlds::MeshOptions files;                  ///< How the files are read.
-  plant_meshes::MeshPrimitiveOptions meshes;  ///< With the seed, also of the generated plants.
+  double variation = 1;                       ///< The variation of the generated species.
+  worlds::MeshOptions files;                  ///< The options for reading the files.
+  plant_meshes::MeshPrimitiveOptions meshes;  ///< The seed is also that of generated plants.
 };
 
 /// The options of `meshes`.

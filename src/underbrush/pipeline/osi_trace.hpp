@@ -27,14 +27,14 @@ struct ReplayCounts {
 ReplayCounts replay_trace(const std::filesystem::path& trace, const std::filesystem::path& output,
                           const osi::OsiOptions& options, const std::string& provenance);
 
-/// The size of what was converted: a log's rows and scans, or lists and their objects.
+/// The size of a conversion: a log's rows and scans, or lists and their objects.
 struct ConvertCounts {
   bool is_log = false;
   size_t rows = 0, scans = 0, lists = 0, objects = 0;
 };
 
-/// Converts SensorViews to a log (.ply), or lists of objects from one format to another, by the
-/// extensions. Throws `FormatError`, and `std::invalid_argument` for other extensions.
+/// Converts SensorViews to a log (.ply, .ublog), or lists of objects from one format to another, by
+/// the extensions. Throws `FormatError`, and `std::invalid_argument` for other extensions.
 ConvertCounts convert_trace(const std::filesystem::path& input, const std::filesystem::path& output,
                             const osi::OsiOptions& options, const std::string& provenance);
 

@@ -1,5 +1,5 @@
 /// \file
-/// The verb `perceive`: a log in, lists of tracked objects out, and a map of what is free.
+/// The verb `perceive`: a log in, lists of tracked objects out, and a map of the free area.
 #pragma once
 #include <array>
 #include <filesystem>
@@ -10,8 +10,8 @@
 
 namespace underbrush::pipeline {
 
-/// The file into which the occupancy grids of a log go: a picture (.png) of the last cycle, else
-/// JSON of all.
+/// The file for the occupancy grids of a log: a picture (.png) of the last cycle, else JSON of all
+/// cycles.
 struct GridFile {
   std::filesystem::path path;
   std::string provenance;  ///< JSON.
@@ -20,11 +20,11 @@ struct GridFile {
 /// The occupancy grid at the end of a log.
 struct GridSummary {
   size_t cycles = 0;
-  std::array<double, 4> area_m2{};  ///< By `perception::CellLabel`.
-  double seconds = 0;               ///< s; of all cycles.
+  std::array<double, 4> area_m2{};  ///< The area of each `perception::CellLabel`.
+  double seconds = 0;               ///< s; the sum over all cycles.
 };
 
-/// What was perceived.
+/// The lists of a log, and its occupancy grid.
 struct Perceived {
   perception::PerceivedLog log;
   std::optional<GridSummary> grid;

@@ -10,7 +10,7 @@
 
 namespace underbrush::pipeline {
 
-/// Selects rows by `COLUMN=VALUE`.
+/// The selection of rows by `COLUMN=VALUE`.
 class RowFilter {
  public:
   /// If `words` is empty, all rows are selected. Throws `std::invalid_argument` for text of another

@@ -138,6 +138,35 @@ Json json_of_cloud_scores(const metrics::CloudScores& s) {
   return j;
 }
 
+Json json_of_range_images(const metrics::ProtocolScores& scores) {
+  const metrics::ImageScores& s = scores.mean;
+  return {{"scans", scores.scans},
+          {"empty_share", scores.empty_share},
+          {"chamfer_m2", io::finite_or_null(s.chamfer_m2)},
+          {"f_score", io::finite_or_null(s.f_score)},
+          {"depth_rmse_m", io::finite_or_null(s.depth_rmse_m)},
+          {"depth_median_m", io::finite_or_null(s.depth_median_m)},
+          {"depth_ssim", io::finite_or_null(s.depth_ssim)},
+          {"depth_psnr", io::finite_or_null(s.depth_psnr)},
+          {"intensity_rmse", io::finite_or_null(s.intensity_rmse)},
+          {"drop_rmse", io::finite_or_null(s.drop_rmse)},
+          {"drop_accuracy", io::finite_or_null(s.drop_accuracy)},
+          {"drop_f1", io::finite_or_null(s.drop_f1)}};
+}
+
+Json json_of_repeats(const metrics::Repeats& s) {
+  return {{"scans", s.scans},
+          {"directions", s.directions},
+          {"repeat", s.repeat()},
+          {"real_difference_m", io::finite_or_null(s.real_difference_m)},
+          {"difference_m", io::finite_or_null(s.difference_m)},
+          {"real_far_difference_m", io::finite_or_null(s.real_far_difference_m)},
+          {"far_difference_m", io::finite_or_null(s.far_difference_m)},
+          {"distance", io::finite_or_null(s.distance)},
+          {"floor", io::finite_or_null(s.floor)},
+          {"same_scans", io::finite_or_null(s.same_scans)}};
+}
+
 Json json_of_clouds(const std::vector<metrics::NamedCloudScores>& clouds,
                     const std::string& provenance) {
   Json j = json_of_cloud_scores(clouds.at(0).scores);

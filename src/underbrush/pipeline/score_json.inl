@@ -6,6 +6,8 @@
 
 #include "underbrush/metrics/baselines.hpp"
 #include "underbrush/metrics/clouds.hpp"
+#include "underbrush/metrics/range_image.hpp"
+#include "underbrush/metrics/repeats.hpp"
 
 namespace underbrush::pipeline {
 
@@ -24,5 +26,10 @@ nlohmann::ordered_json json_of_cloud_scores(const metrics::CloudScores& scores);
 /// Scores without data are null.
 nlohmann::ordered_json json_of_clouds(const std::vector<metrics::NamedCloudScores>& clouds,
                                       const std::string& provenance);
+
+/// Returns the scores of range images, as learned simulators are scored.
+nlohmann::ordered_json json_of_range_images(const metrics::ProtocolScores& scores);
+/// Returns the comparison of scans that were recorded from one place.
+nlohmann::ordered_json json_of_repeats(const metrics::Repeats& scores);
 
 }  // namespace underbrush::pipeline

@@ -39,7 +39,7 @@ std::span<const Option<ScoreOptions>> score_options() {
      "simulators are compared on KITTI-360; clouds compares logs that share no beams as point clouds",
      [](O& o) -> auto& { return o.protocol; }, -kNoLimit, kNoLimit, {"kitti360", "clouds"}},
     {"repeats", "More options", "",
-     "Compare scans that have one place and equal directions, too: how ranges change from scan to "
+     "Compare the scans that were recorded from one place: the change of ranges from scan to "
      "scan, and the distance of their bearing x range histograms",
      [](O& o) -> auto& { return o.repeats; }},
   };

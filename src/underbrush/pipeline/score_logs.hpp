@@ -25,9 +25,9 @@ std::span<const Option<ScoreOptions>> score_options();
 
 /// Compares a simulated log with the real log of the same beams (`metrics::score`). With a world,
 /// likelihood, CRPS and calibration under the ray model are computed; the intensities of a world of
-/// one model are told apart by its elements. Of a world of regions those are opened that the beams
-/// can reach, within `memory` (`regions::memory_of`). `cloud` asks for the distances of the two
-/// point clouds. `progress(done, total)` may be empty. Throws as `metrics::score` does, and
+/// one model are grouped by its elements. Of a world of regions those regions are opened that the
+/// beams can reach, within `memory` (`regions::memory_of`). With `cloud`, the distances of the
+/// clouds are computed. `progress(done, total)` may be empty. Throws as `metrics::score` does, and
 /// `DataError` where the regions that a beam can reach do not fit into the memory.
 metrics::Score score_logs(BeamSource& real, BeamSource& simulated, const TracedWorld* world,
                           bool cloud, const std::function<void(size_t, size_t)>& progress = {},

@@ -23,12 +23,12 @@ struct SegmentOptions {
 /// The options of `segment`.
 std::span<const Option<SegmentOptions>> segment_options();
 
-/// What was found in a log.
+/// The result of `segment_log`.
 struct Segmentation {
   LabelledCounts counts;
   size_t objects = 0;
-  std::optional<primitives::LogLabels> found;    ///< Not where all labels were given.
-  std::optional<primitives::GivenLabels> given;  ///< With `SegmentOptions::labels`.
+  std::optional<primitives::LogLabels> found;    ///< Absent if all labels were given.
+  std::optional<primitives::GivenLabels> given;  ///< Present with `SegmentOptions::labels`.
 };
 
 /// Labels the hits of a log and passes the labelled log to `write`, which reads it to its end; with

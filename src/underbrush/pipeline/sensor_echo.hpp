@@ -1,5 +1,5 @@
 /// \file
-/// The light that a sensor receives of one beam.
+/// The light that a sensor receives from one beam.
 #pragma once
 #include <cstdint>
 #include <string>

@@ -42,19 +42,19 @@ class SensorBeams : public SeekableSource {
 std::unique_ptr<perception::RigSource> rig_beams(const perception::Rig& rig,
                                                  const Trajectory& world_from_vehicle);
 
-/// Finds the sensor of a log for `Simulation`; `file` is what messages call the log. The sensor is
-/// looked up when it is needed; the log must outlive the function.
+/// Finds the sensor of a log for `Simulation`; `file` is the name of the log in messages. The
+/// sensor is looked up when it is needed; the log must outlive the function.
 Simulation::SensorOf sensor_of(const std::string& file, const BeamSource& log);
 
 /// The numbers of a simulated log, whose rows are echoes and misses.
 struct SimulateCounts {
   size_t beams = 0, rows = 0, hits = 0;
   double seconds = 0;  ///< s; spent on answers, without reading and writing.
-  /// What is wrong where beams were answered and none met anything; see `why_nothing_is_hit`.
+  /// The reason where beams were answered and none met anything; see `why_nothing_is_hit`.
   std::vector<std::string> warnings = {};
 };
 
-/// Called with the number of beams that are done and that of all.
+/// A function that is called with the number of beams that are done and that of all.
 using SimulateProgress = std::function<void(size_t, size_t)>;
 
 /// Answers the beams of a source and passes the answered log to `write`, which reads it to its end.

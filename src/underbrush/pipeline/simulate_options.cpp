@@ -18,8 +18,8 @@ std::span<const Option<SimulateOptions>> simulate_options() {
      [](O& o) -> auto& { return o.element_ids; }},
 
     {"beams", kPartsGroup, "",
-     "Simulate only the beams FIRST to END - 1; the first beam has the number 0. Their results are "
-     "those of a simulation of all beams",
+     "Simulate only the beams FIRST to END - 1; the first beam has the number 0. These beams get "
+     "the same results as in a simulation of all beams",
      [](O& o) -> auto& { return o.beams; }, -kNoLimit, kNoLimit, {}, "FIRST:END"},
     {"memory", kPartsGroup, "", regions::kMemoryHelp,
      [](O& o) -> auto& { return o.memory; }, -kNoLimit, kNoLimit, {}, "SIZE"},

@@ -24,7 +24,7 @@ struct InstrumentOptions {
   double visibility_m = 0, rain_mm_per_h = 0, sun = 0;
 };
 
-/// The options of `simulate`. Words are those of the command line.
+/// The options of `simulate`. Their words are those of the command line.
 struct SimulateOptions {
   uint64_t seed = 1;
   std::string actors;           ///< A folder of actors, or a list of edits of one; "" = none.

@@ -15,8 +15,8 @@ namespace underbrush::pipeline {
 /// `super_sample` as an instrument, of one sensor or of all sensors of a rig.
 class Simulation {
  public:
-  /// Returns the sensor of the beams, or throws `std::invalid_argument`, which says that the option
-  /// `what` needs one. It is called only where a sensor is needed.
+  /// Returns the sensor of the beams, or throws `std::invalid_argument`, because the option `what`
+  /// needs one. It is called only where a sensor is needed.
   using SensorOf = std::function<sensor::Sensor(const char* what)>;
 
   /// `world` must outlive this, and have been prepared with the matter of the options
@@ -25,16 +25,16 @@ class Simulation {
   /// `std::invalid_argument` for options out of range or without effect, and for a material that
   /// the table does not have.
   Simulation(const TracedWorld& world, SimulateOptions options, const SensorOf& sensor_of = {});
-  /// The same for beams of a rig, which have the column `sensor` (`perception::RigSource`). All
-  /// sensors measure the same matter: they share the seed, and their beams have different numbers.
-  /// Waveforms are those of the first sensor.
+  /// The constructor for beams of a rig, which have the column `sensor` (`perception::RigSource`).
+  /// All sensors measure the same matter: they share the seed, and their beams have different
+  /// numbers. Waveforms are those of the first sensor.
   Simulation(const TracedWorld& world, const SimulateOptions& options,
              const std::vector<sensor::Sensor>& rig);
   Simulation(Simulation&&) noexcept;
   ~Simulation();
 
   /// Answers beams in place. `first_beam` is the number of the first beam in its log. An instrument
-  /// may give several rows a beam. Where the world's model has range offsets of the channels of
+  /// may give several rows per beam. Where the world's model has range offsets of the channels of
   /// this sensor (`Model::channels_of`), they are added to the ranges. Beams of a rig come in
   /// order: from the first, of which `first_beam` is 0, or after `continue_after`. The answer
   /// depends neither on chunks nor on threads. Throws `DataError` where the regions that a beam can
@@ -77,7 +77,7 @@ class Simulation {
   std::unique_ptr<regions::OpenRegions> open_;
   std::unique_ptr<TracedWorld> part_;  ///< The part of a world of regions that is open.
   bool uses_keyframes_ = true;         ///< Whether keyframes may answer, by `recognise`.
-  size_t rays_before_ = 0;             ///< Traced in other parts.
+  size_t rays_before_ = 0;             ///< Rays traced in other parts.
   bool rig_ = false;
   std::vector<LogInfo> limits_;  ///< The limits of each sensor of a rig.
   std::vector<std::unique_ptr<OfSensor>> answers_;

@@ -12,7 +12,7 @@
 
 namespace underbrush::pipeline {
 
-/// What is held out: one of `every`, `columns`, `time` and `region`.
+/// The choice of the beams that are held out: one of `every`, `columns`, `time` and `region`.
 struct SplitOptions {
   int every = 0;    ///< Every K-th scan; 0 = not given.
   int columns = 0;  ///< Every K-th column of each scan: the beams fired at one time; 0 = not given.
@@ -34,8 +34,8 @@ struct SplitCounts {
 
 /// Passes the beams that are kept for fitting and those that are held out to `write`, chunk by
 /// chunk; one of the two may be empty. `progress(done, total)` may be empty. Throws
-/// `std::invalid_argument` for options that `check` refuses and where the log lacks what the choice
-/// needs, `DataError` where a part would be empty.
+/// `std::invalid_argument` for options that `check` refuses and where the log lacks the data that
+/// the choice needs, `DataError` where a part would be empty.
 SplitCounts split_log(BeamSource& log, const SplitOptions& options,
                       const std::function<void(const BeamLog& train, const BeamLog& test)>& write,
                       const std::function<void(size_t, size_t)>& progress = {});

@@ -1,28 +1,30 @@
 /// \file
-/// The verb `optimize`: parameters of a fit, or densities of a scene's classes, that are judged by
+/// The verb `optimize`: parameters of a fit, or densities of a scene's classes, that are scored by
 /// the answers that a user would get.
 #pragma once
+#include <filesystem>
 #include <functional>
-#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "underbrush/fit/fit.hpp"
+#include "underbrush/fit/fit_options.hpp"
 #include "underbrush/optimize/objective.hpp"
-#include "underbrush/optimize/search.hpp"
-#include "underbrush/optimize/slice.hpp"
+#include "underbrush/optimize/options.hpp"
 #include "underbrush/pipeline/world.hpp"
 #include "underbrush/primitives/compose.hpp"
 
 namespace underbrush::pipeline {
 
-/// What `optimize::search` minimises: the parameters, where it starts, and the function that judges
+/// The problem that a search minimises: the parameters, their start, and the objective function of
 /// their values.
 struct TuningProblem {
   std::vector<optimize::Parameter> parameters;
   std::vector<double> start;
   std::function<optimize::Outcome(std::span<const double>)> objective;
+  optimize::SliceFacts slice;                 ///< The sizes of the slice of the log.
+  std::vector<std::filesystem::path> inputs;  ///< The files that were read besides the log.
+  std::vector<std::string> warnings;
 };
 
 /// Simulates the beams with default options and scores the answers. Likelihood and CRPS are
@@ -30,21 +32,35 @@ struct TuningProblem {
 optimize::Outcome outcome_of(const std::string& objective, const TracedWorld& world,
                              const BeamLog& beams, uint64_t seed);
 
-/// Parameters of a fit, by `names` or the usual ones if there is none: a model is fitted to one
-/// part of the slice and scored on the other. Throws as `optimize::chosen_fit_parameters` does.
-TuningProblem tuned_fit(const std::string& objective, std::shared_ptr<const optimize::Slice> slice,
-                        const fit::FitOptions& options, std::span<const std::string> names);
+/// Parameters of a fit, those of `options.tune` or the usual ones: a model is fitted to one part of
+/// the slice and scored on the other. Throws as `optimize::take_slice` and
+/// `optimize::chosen_fit_parameters` do; names are checked before the log is read.
+TuningProblem tuned_fit(BeamSource& log, const optimize::TuneOptions& options,
+                        const fit::FitOptions& fit);
 
-/// The parts of a composed scene.
+/// The parts of a scene whose class densities are tuned.
 struct SceneParts {
   primitives::Annotation annotation;
   elements::Model ground;
   primitives::PrimitiveSet primitives;
+  std::vector<std::filesystem::path> inputs;  ///< The files that the parts were read from.
+  std::vector<std::string> warnings;
 };
 
-/// Densities of a scene's classes, by `names` or all if there is none: a scene is composed and
-/// scored on the beams. Throws `DataError` for an annotation without objects.
-TuningProblem tuned_scene(const std::string& objective, std::shared_ptr<const SceneParts> parts,
-                          BeamLog beams, uint64_t seed, std::span<const std::string> names);
+/// Reads an annotation with its ground, and the primitives, as `primitives::read_annotation` and
+/// `primitives_named` take them. Throws `FormatError`, also for an annotation without objects.
+SceneParts read_scene_parts(const std::filesystem::path& annotation, const std::string& primitives,
+                            bool allow_outside, uint64_t seed);
+
+/// Densities of a scene's classes, those of `options.tune` or all: a scene is composed and scored
+/// on the beams of the slice.
+TuningProblem tuned_scene(BeamSource& log, const optimize::TuneOptions& options, SceneParts parts);
+
+/// Searches for the values with the lowest objective; `past` and `after` are those of
+/// `optimize::search`.
+std::vector<optimize::Evaluation> tune(
+    const TuningProblem& problem, const optimize::TuneOptions& options,
+    const std::vector<optimize::Evaluation>& past = {},
+    const std::function<void(std::span<const optimize::Evaluation>)>& after = {});
 
 }  // namespace underbrush::pipeline

@@ -24,20 +24,20 @@ namespace underbrush {
 /// the server, the FMU, the studies) calls them, so that all give one answer.
 namespace pipeline {
 
-/// A scene, or a model as a scene without instances, with what its folder holds besides.
+/// A scene, or a model as a scene without instances, with the other data of its folder.
 struct World {
   elements::Scene scene;
   elements::SceneInfo info;
-  worlds::WorldReport read;  ///< What a file of another program became; no parts for all others.
-  /// The world of regions of which `scene` has what all regions have in common; null where `scene`
-  /// has all.
+  worlds::WorldReport read;  ///< Report on a file of another program; no parts for all others.
+  /// The world of regions of which `scene` has the part that all regions have in common; null where
+  /// `scene` has all.
   std::shared_ptr<const regions::WorldFolder> regions = nullptr;
 };
 
 /// Reads a scene, a model, all of a world of regions, or a world of another program such as a mesh.
 /// Throws as the readers do.
 World read_world(const std::filesystem::path& path, const worlds::ReadOptions& options = {});
-/// The same, but the regions of a world are left on disk, for `Simulation` to open.
+/// Does so too, but leaves the regions of a world on disk, for `Simulation` to open.
 World open_world(const std::filesystem::path& path, const worlds::ReadOptions& options = {});
 
 /// Reads a model for its ground. Throws `FormatError`, also where it has none.
@@ -54,11 +54,11 @@ void add_actors(World& world, std::vector<actors::Actor> actors);
 /// Whether and how the matter of a world is drawn for all beams at once (`trace::Draws`).
 struct Matter {
   bool anew = false;   ///< Each beam draws its own leaves and stones.
-  bool still = false;  ///< They stand still, also where those of the models sway.
-  double sway_s = 0;   ///< s; correlation time of what sways; 0 = that of the models.
+  bool still = false;  ///< Matter stands still, also where that of the models sways.
+  double sway_s = 0;   ///< s; correlation time of swaying matter; 0 = that of the models.
 };
 
-/// Something that moves in a world.
+/// A moving object in a world.
 struct NamedMover {
   std::string name;  ///< The name of its model; may be "".
   elements::Mover mover;
@@ -67,8 +67,8 @@ struct NamedMover {
 /// A world prepared for tracing.
 class TracedWorld {
  public:
-  /// What is passed by reference must outlive this. Throws `std::invalid_argument` where matter
-  /// that is drawn anew should sway, and as `DynamicWorld` does.
+  /// Arguments by reference must outlive this. Throws `std::invalid_argument` where matter that is
+  /// drawn anew should sway, and as `DynamicWorld` does.
   explicit TracedWorld(const elements::Model& model, const Matter& matter = {});
   TracedWorld(const elements::Scene& scene, const elements::SceneInfo& info,
               const Matter& matter = {});
@@ -76,9 +76,9 @@ class TracedWorld {
   TracedWorld(const TracedWorld&) = delete;
   TracedWorld& operator=(const TracedWorld&) = delete;
 
-  /// Gives something that moves another trajectory and other times (`DynamicWorld::move`).
+  /// Gives a mover another trajectory and other times (`DynamicWorld::move`).
   void move(const elements::Mover& mover) { dynamic_->move(mover); }
-  /// What moves, as it moved when the world was made.
+  /// The movers, with their motions from when the world was made.
   const std::vector<NamedMover>& movers() const { return movers_; }
   const simulate::DynamicWorld& dynamic() const { return *dynamic_; }
   /// The world that this owns; null where it was passed by reference.
@@ -86,9 +86,9 @@ class TracedWorld {
   /// The world of regions that this has the common part of; null where it has all.
   const regions::WorldFolder* regions() const { return own_ ? own_->regions.get() : nullptr; }
   const Matter& matter() const { return matter_; }
-  /// The box in which the world lies; of a world of regions, the box of what rays can meet.
+  /// The box in which the world lies; of a world of regions, the box of all that rays can meet.
   metrics::Bounds bounds() const;
-  /// The world without what moves in it.
+  /// The world without its movers.
   const trace::World& still() const { return dynamic_->world(); }
   std::span<const elements::Model> models() const { return models_; }
   /// The scene; null for a world of one model.
@@ -105,7 +105,7 @@ class TracedWorld {
   const std::vector<std::string>& element_classes() const { return element_classes_; }
   /// The sensor that recorded the logs to which the models were fitted, with the range noise and
   /// the farthest range that they showed; of several that with the narrowest beam. There is none
-  /// where a model with ellipsoids (or any, if none has) does not know its own, or has shares of
+  /// where a model with ellipsoids (or any, if none has) does not name its own, or has shares of
   /// the light (`Model::all_echoes`).
   std::optional<sensor::Sensor> recorder() const;
 
@@ -124,9 +124,9 @@ class TracedWorld {
   std::vector<NamedMover> movers_;
 };
 
-/// Reads regions of the world of regions of `world`, and prepares its part with them and with what
-/// was added to `world` that moves. Its models have the τ and the grain of those of `world`. Throws
-/// `FormatError`.
+/// Reads regions of the world of regions of `world`, and prepares its part with them and with the
+/// movers that were added to `world`. Its models have the τ and the grain of those of `world`.
+/// Throws `FormatError`.
 std::unique_ptr<TracedWorld> open_part(const TracedWorld& world, std::span<const uint32_t> regions);
 
 }  // namespace pipeline

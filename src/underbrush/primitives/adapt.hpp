@@ -5,7 +5,7 @@
 
 namespace underbrush::primitives {
 
-/// Whether a primitive can be adapted to an object: it is known of both where their points lie.
+/// Whether a primitive can be adapted to an object: the quantiles of the points of both are known.
 bool can_adapt(const PrimitiveEntry& from, const PlacedObject& to);
 
 /// Returns the elements `model` of the primitive `from`, adapted to the object `to` and in its
@@ -16,7 +16,7 @@ bool can_adapt(const PrimitiveEntry& from, const PlacedObject& to);
 /// proportion. Ellipsoids keep their size and direction.
 ///
 /// The optical depth of the ellipsoids in each third of the height is multiplied by f^¾, where f is
-/// how many beams returned from that third of the object, over how many would have from the
+/// the number of beams that returned from that third of the object, over that expected from the
 /// primitive along the same paths: f = (n + 40 f₀) / (ρ L + 40) with the object's n returns and
 /// path L (`BoxBeams`), the primitive's returns per metre ρ, and f₀ = (n + 40) / (ρ L + 40) of the
 /// sums over the thirds; f is kept in [1/5, 5]. The exponent is below 1 because returns per metre

@@ -1,5 +1,5 @@
 /// \file
-/// What the beams of a log did in the boxes of its objects.
+/// The beams of a log in the boxes of its objects.
 #pragma once
 #include <vector>
 

@@ -11,11 +11,11 @@
 
 namespace underbrush::primitives {
 
-/// How a primitive is chosen among those of the object's class.
+/// The rule by which a primitive is chosen among those of the object's class.
 enum class Choice {
   kBox,     ///< The nearest box ‖extents − extents'‖ ([tallavajhula18] §IV).
   kBest,    ///< The nearest box and points, with variety (`Chooser`), adapted to the object.
-  kRandom,  ///< Any.
+  kRandom,  ///< Any primitive.
 };
 
 /// Chooses among the primitives of a set.
@@ -39,7 +39,7 @@ class Chooser {
   /// Returns one of `from`, which is not empty. `draw` in [0, 1) chooses among the `nearest` best,
   /// or for `kRandom` among all; equal costs keep the set's order.
   uint32_t choose(const std::vector<uint32_t>& from, const PlacedObject& object, double draw);
-  /// Forgets what stands below a line (m, world), which objects from now on do not come near.
+  /// Forgets the objects below a line (m, world), which later objects do not come near.
   void forget_below(double y_m);
 
  private:

@@ -20,7 +20,7 @@ struct ComposeOptions {
   uint64_t seed = 1;
   Choice choose = Choice::kBest;
   size_t nearest = 1;  ///< Each object draws one of this many primitives that fit best.
-  bool scale = false;  ///< Scales the primitive to the box, by the factor of least squares.
+  bool scale = false;  ///< Whether a primitive is scaled to the box by the least-squares factor.
   /// Number of objects that stand for each annotated object of the class. Below 1 some objects are
   /// left out; above 1 more are added beside the annotated ones.
   std::map<elements::Class, double> density;
@@ -30,7 +30,7 @@ struct ComposeOptions {
 /// class that does not exist and a factor that is not in [0, 100].
 std::map<elements::Class, double> densities_of(const std::vector<std::string>& words);
 
-/// A composed scene, and counts of what was placed and left out.
+/// A composed scene, and counts of the objects that were placed and left out.
 struct Composition {
   elements::Scene scene;
   elements::SceneInfo info;
@@ -44,11 +44,11 @@ struct Composition {
   std::map<std::string, size_t> left_out;
   /// Objects placed with a primitive of another size, by class.
   std::map<std::string, size_t> borrowed;
-  /// m; mean distance between the boxes asked for and those of the primitives.
+  /// m; mean distance between the boxes of the objects and those of the primitives.
   double mean_box_distance_m = 0;
 };
 
-/// Reports the progress of `compose`, called with (done, total).
+/// A function for the progress of `compose`, called with (done, total).
 using ComposeProgress = std::function<void(size_t, size_t)>;
 
 /// Composes a scene part by part, for `compose` and for scenes that are larger than memory.
@@ -62,9 +62,9 @@ class Composer {
   /// Adds objects that stand on a ground.
   void add(const GroundSurface& ground, const std::vector<PlacedObject>& objects,
            const ComposeProgress& progress = {});
-  /// Forgets what stands below a line (m, world), which objects from now on do not come near.
+  /// Forgets the objects below a line (m, world), which later objects do not come near.
   void forget_below(double y_m);
-  /// What was composed so far. A caller may take the instances with their labels and numbers out of
+  /// The composition so far. A caller may take the instances with their labels and numbers out of
   /// it, all but the first, which is the ground's.
   Composition& result();
 
@@ -74,12 +74,12 @@ class Composer {
 };
 
 /// Composes a scene: for each (class, pose, box) of the annotation it places a primitive of the
-/// class
-/// (`Choice`), with its foot on the ground, and with `Choice::kBest` and without `scale` adapts it
-/// to the object (`adapted`) where that is possible. Where the set has no primitive of the class,
-/// one of the same kind (shrub, tree, patch) is taken. A patch larger than a cell is filled cell by
-/// cell. Instance 0 and model 0 are the ground. Throws `FormatError` where a primitive cannot be
-/// read, and `std::invalid_argument` for a density that is negative or above 100.
+/// class (`Choice`), with its foot on the ground, and with `Choice::kBest` and without `scale`
+/// adapts it to the object (`adapted`) where that is possible. Where the set has no primitive of
+/// the class, one of the same kind (shrub, tree, patch) is taken. A patch larger than a cell is
+/// filled cell by cell. Instance 0 and model 0 are the ground. Throws `FormatError` where a
+/// primitive cannot be read, and `std::invalid_argument` for a density that is negative or above
+/// 100.
 Composition compose(const Annotation& annotation, const elements::Model& ground,
                     const PrimitiveSet& set, const ComposeOptions& options,
                     const ComposeProgress& progress = {});

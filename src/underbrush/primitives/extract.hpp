@@ -9,8 +9,8 @@
 
 namespace underbrush::primitives {
 
-/// How a plant mesh came into a primitive: x_primitive = at + R(yaw) scale R(turn) (x_file − foot),
-/// with rotations about z and x_file in metres with z up.
+/// The placement of a plant mesh in a primitive: x_primitive = at + R(yaw) scale R(turn) (x_file −
+/// foot), with rotations about z and x_file in metres with z up.
 struct PlantPlacement {
   std::string plant;         ///< Name of the plant: its file, or that of the generator.
   Vec3 foot = Vec3::Zero();  ///< m; centroid of the vertices in x and y, lowest z.
@@ -27,7 +27,7 @@ struct Primitive {
   Box box;
   elements::Model model;                    ///< It has no ground; its origin is the object's foot.
   PlacedObject source;                      ///< The object as it was measured in the log.
-  std::vector<PlantPlacement> plants = {};  ///< The meshes that it is made of, if it is.
+  std::vector<PlantPlacement> plants = {};  ///< The plant meshes of which it is made, if any.
   uint32_t origin = 0;                      ///< Index into the origins of its set, if it has any.
 };
 
@@ -49,15 +49,15 @@ struct ExtractOptions {
   size_t min_elements = 1;  ///< Objects of fewer elements are left out.
 };
 
-/// The primitives, and counts of what was left out.
+/// The primitives, and counts of the objects and elements that were left out.
 struct ExtractResult {
   std::vector<Primitive> primitives;
   MeasuredObjects measured;        ///< `objects` are in the order of the log.
   size_t empty = 0;                ///< Objects that hold no element.
-  size_t few_elements = 0;         ///< Objects left out because they hold fewer than asked for.
+  size_t few_elements = 0;         ///< Objects left out with fewer than `min_elements` elements.
   size_t free_space = 0;           ///< Ellipsoids left out because they are free space.
-  size_t elements = 0, taken = 0;  ///< Elements of the model without its ground, and how many of
-                                   ///< them a primitive took.
+  size_t elements = 0, taken = 0;  ///< Elements of the model without its ground, and those of them
+                                   ///< that a primitive took.
 };
 
 /// Cuts primitives out of the model, along the objects of the labelled log from which it was

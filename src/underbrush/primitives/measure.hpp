@@ -1,5 +1,5 @@
 /// \file
-/// Measurement of the objects of a labelled log: where they stand and how large they are.
+/// Measurement of the objects of a labelled log: their places and sizes.
 #pragma once
 #include <functional>
 #include <map>
@@ -20,7 +20,7 @@ struct MeasureOptions {
   size_t min_points = 5;  ///< Objects and cells with fewer points are left out.
 };
 
-/// The measured objects, and counts of what was left out.
+/// The measured objects, and counts of the objects and hits that were left out.
 struct MeasuredObjects {
   std::vector<PlacedObject> objects;  ///< In order of instance; the cells of a patch in order of
                                       ///< place.
@@ -34,7 +34,7 @@ struct MeasuredObjects {
 /// set "underbrush") and `instance`. Rewinds the log and reads its first chunk.
 void require_objects(const std::string& file, BeamSource& log);
 
-/// Reports the progress of a pass over a log, called with (done, total).
+/// A function for the progress of a pass over a log, called with (done, total).
 using MeasureProgress = std::function<void(size_t, size_t)>;
 
 /// Measures the objects of a log that has the columns `class` (in the set "underbrush") and

@@ -21,7 +21,7 @@ struct ObjectOptions {
   double prominence_b = 0.04;
   double radius_a_m = 1.5;  ///< m; no crown reaches farther than a + b · height from its peak.
   double radius_b = 0.3;
-  double trunk_m = 1;      ///< m; what stands under a crown and is at most this wide is the tree's
+  double trunk_m = 1;      ///< m; a group under a crown that is at most this wide is the tree's
                            ///< foot.
   size_t min_points = 10;  ///< Groups with fewer points are not objects.
   SizeRules sizes;

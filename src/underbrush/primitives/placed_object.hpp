@@ -16,7 +16,7 @@ struct Box {
   Vec3 size() const { return max - min; }
 };
 
-/// What the beams of a log did in an object's box, by thirds of its height from the bottom up. All
+/// The beams of a log in an object's box, by thirds of its height from the bottom up. All values
 /// are 0 where they are not known.
 struct BoxBeams {
   std::array<double, 3> returns{};  ///< Number of beams that ended there at the object.
@@ -35,8 +35,8 @@ struct PlacedObject {
   Box box;
   uint32_t instance = 0;  ///< Number in the labelled log, 0 = none. The cells of a patch share it.
   size_t points = 0;      ///< Number of points that it was measured from.
-  /// Where its points lie along each axis (m, object's frame): their quantiles at `kShares`. All
-  /// are 0 where they are not known.
+  /// The places of its points along each axis (m, object's frame): their quantiles at `kShares`.
+  /// All are 0 where they are not known.
   std::array<Vec3, 5> quantiles{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero(),
                                 Vec3::Zero()};
   static constexpr std::array<double, 5> kShares{0.1, 0.3, 0.5, 0.7, 0.9};

@@ -7,15 +7,15 @@
 
 namespace underbrush::primitives {
 
-/// A primitive as the manifest lists it.
+/// The entry of a primitive in the manifest.
 struct PrimitiveEntry {
   elements::Class label = elements::Class::kUnknown;
   Box box;
   std::string name;  ///< CLASS/NUMBER, which is its folder in the set.
   size_t elements = 0, points = 0;
-  std::array<Vec3, 5> quantiles = PlacedObject{}.quantiles;  ///< As of `PlacedObject`.
+  std::array<Vec3, 5> quantiles = PlacedObject{}.quantiles;  ///< As in `PlacedObject`.
   uint32_t origin = 0;  ///< Index into `PrimitiveSet::origins`, if it has any.
-  BoxBeams beams = {};  ///< As of `PlacedObject`.
+  BoxBeams beams = {};  ///< As in `PlacedObject`.
 };
 
 }  // namespace underbrush::primitives

@@ -14,7 +14,7 @@ namespace underbrush::primitives {
 /// Version of the layout that is written; newer versions are refused.
 inline constexpr int kPrimitiveSetVersion = 1;
 
-/// Where primitives of a library come from. Texts that are not known are empty.
+/// The origin of primitives of a library. Unknown texts are empty.
 struct PrimitiveOrigin {
   std::string set;         ///< Name of the folder of the set that was merged.
   std::string site;        ///< Name of the site of its log.
@@ -31,7 +31,7 @@ struct PrimitiveSet {
   std::vector<PrimitiveEntry> entries;
   std::string provenance;
   std::vector<PrimitiveOrigin> origins = {};  ///< There are none where the set is of one log.
-  /// One for each entry if the set is in memory and has no folder; else empty.
+  /// The model of each entry if the set is in memory and has no folder; else empty.
   std::vector<elements::Model> models = {};
 };
 
@@ -61,7 +61,7 @@ PrimitiveSet read_primitive_set(const std::filesystem::path& path);
 /// `FormatError`.
 elements::Model read_primitive(const PrimitiveSet& set, size_t entry);
 
-/// Returns an entry of a set on disk with all that its folder tells of it. Throws `FormatError`.
+/// Returns an entry of a set on disk with all data of its folder. Throws `FormatError`.
 Primitive read_whole_primitive(const PrimitiveSet& set, size_t entry);
 
 }  // namespace underbrush::primitives

@@ -29,8 +29,8 @@ class RunGraph {
   /// Index that stands for no run.
   static constexpr uint32_t kNone = UINT32_MAX;
 
-  /// Sets the side (m) of the columns and the empty height (m) between runs; 0 means what
-  /// `ObjectOptions` says.
+  /// Sets the side (m) of the columns and the empty height (m) between runs; 0 has the meaning that
+  /// it has in `ObjectOptions`.
   RunGraph(double cell_m, double gap_m);
 
   /// Adds points: x and y (m) in any frame, z (m) above the ground. Points that are not finite or

@@ -12,7 +12,7 @@
 
 namespace underbrush::primitives {
 
-/// What is known of a hit before the search for objects.
+/// The kind of a hit, if it is known before the search for objects.
 enum class Prior : uint8_t { kObject, kGround, kOther };
 
 /// Options of `segment_log`.
@@ -36,10 +36,10 @@ struct LogLabels {
   size_t off_ground = 0;     ///< Hits with no ground within 30 m; they are in no object.
 };
 
-/// Reports the progress of `segment_log`, called with (stage, done, total).
+/// A function for the progress of `segment_log`, called with (stage, done, total).
 using SegmentProgress = std::function<void(std::string_view, size_t, size_t)>;
 
-/// Labels the hits of a log. If `prior` is not empty, it says what each hit is, and the function
+/// Labels the hits of a log. If `prior` is not empty, it has the kind of each hit, and the function
 /// only searches for objects; else it segments the ground first. Reads the log up to four times and
 /// uses a few bytes of memory for each hit. Throws as `ground::segment` does, and
 /// `std::invalid_argument` where `prior` has another length.

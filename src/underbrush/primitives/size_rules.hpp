@@ -7,7 +7,7 @@ namespace underbrush {
 /// Objects of a labelled log, the primitives cut from them, and scenes composed of primitives.
 namespace primitives {
 
-/// Heights (m above the ground, as far as the sensor saw) at which one class ends and the next
+/// Heights (m above the ground, as far as the sensor measured) at which one class ends and the next
 /// begins. The defaults are those of `elements::shrub_class` and `elements::tree_class`.
 struct SizeRules {
   double tree_m = 3;           ///< Objects at least this high are trees, lower ones shrubs.

@@ -1,6 +1,6 @@
 /// \file
-/// This file has bidirectional reflectance distribution functions, which say how surfaces reflect
-/// light.
+/// This file has bidirectional reflectance distribution functions, which describe the reflection of
+/// light by surfaces.
 #pragma once
 #include <cstdint>
 
@@ -30,9 +30,9 @@ struct SurfaceModel {
 double brdf(const SurfaceModel& surface, const Vec3& to_light, const Vec3& to_eye,
             const Vec3& normal);
 
-/// Computes what a lidar gets back, with emitter and receiver in one place: π f cos θ at the angle
-/// of incidence θ. A perpendicular Lambertian surface of reflectance 1 gives 1. Lambert gives cos
-/// θ, Oren–Nayar A cos θ + B sin² θ, and Phong cos θ ((1 − g) + g (n + 2)/2 cosⁿ 2θ).
+/// Computes the light that a lidar gets back, with emitter and receiver in one place: π f cos θ at
+/// the angle of incidence θ. A perpendicular Lambertian surface of reflectance 1 gives 1. Lambert
+/// gives cos θ, Oren–Nayar A cos θ + B sin² θ, and Phong cos θ ((1 − g) + g (n + 2)/2 cosⁿ 2θ).
 double backscatter(const SurfaceModel& surface, double cos_incidence);
 
 }  // namespace underbrush::radiometry

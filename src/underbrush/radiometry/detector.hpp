@@ -1,5 +1,5 @@
 /// \file
-/// This file finds echoes in a waveform by a threshold, tells them apart, and measures their pulse
+/// This file finds echoes in a waveform by a threshold, separates them, and measures their pulse
 /// widths.
 #pragma once
 #include <array>
@@ -37,8 +37,8 @@ struct DetectorOptions {
   float threshold = 5;  ///< Least signal of an echo, in units of the waveform.
   /// Two maxima are two echoes if the signal between them falls below this share of the lower one.
   float valley = 0.7F;
-  float min_gap_m = 0;  ///< Where two echoes are nearer together, they are one: the range is that
-                        ///< of the stronger, and the pulse reaches from one to the other.
+  float min_gap_m = 0;  ///< Least distance of two echoes; nearer ones are one: the range is that of
+                        ///< the stronger, and the pulse reaches from one to the other.
   /// σ of the noise, in units of the waveform. A pulse ends only where the signal falls 3 σ below
   /// the threshold, and two maxima are two echoes only where they rise 5 σ above the signal between
   /// them.

@@ -9,7 +9,7 @@
 
 namespace underbrush::radiometry {
 
-/// Returns of one beam that lie so close together that they look like one.
+/// Returns of one beam that lie so close together that they count as one.
 struct LoneReturn {
   float range_m = 0;  ///< The mean, weighted by the signals.
   float signal = 0;   ///< The sum; 0 where there is no return, or more than one.
@@ -27,7 +27,7 @@ LoneReturn lone_return(std::span<const float> range_m, std::span<const float> si
 /// echo, up to the greatest.
 class LoneEcho {
  public:
-  /// Finds the echoes of a point target from its waveform.
+  /// A function that finds the echoes of a point target from its waveform.
   using Detect = std::function<Echoes(float range_m, float signal, uint64_t key)>;
 
   /// Measures signals of `least` to `most` times the noise (signal units). The targets lie in
@@ -40,7 +40,7 @@ class LoneEcho {
 
  private:
   static constexpr size_t kValues = 4;  // error of the range (m), width (m); peak, energy / signal
-  /// Their means, and the Cholesky factor of their covariance row by row.
+  /// The means of these values, and the Cholesky factor of their covariance row by row.
   struct Moments {
     std::array<float, kValues> mean;
     std::array<float, kValues*(kValues + 1) / 2> root;
@@ -48,7 +48,7 @@ class LoneEcho {
 
   float least_ = std::numeric_limits<float>::infinity(), most_ = 0;
   float first_log2_ = 0;
-  std::vector<Moments> nodes_;  ///< At equal steps of the ratio's logarithm.
+  std::vector<Moments> nodes_;  ///< Moments at equal steps of the ratio's logarithm.
 };
 
 }  // namespace underbrush::radiometry

@@ -1,5 +1,5 @@
 /// \file
-/// This file has materials: their reflectance by wavelength, and how they reflect light.
+/// This file has materials: their reflectance by wavelength, and their reflection of light.
 #pragma once
 #include <string>
 #include <string_view>

@@ -1,5 +1,5 @@
 /// \file
-/// This file computes the range that a pulse in a waveform stands for.
+/// This file computes the range of a pulse in a waveform.
 #pragma once
 #include <vector>
 
@@ -14,7 +14,7 @@ using sensor::Timing;
 struct PulseSpan {
   size_t begin = 0;             ///< First sample of the pulse.
   size_t top = 0, top_end = 0;  ///< First and last sample of its highest level.
-  double rise = 0;              ///< Where it passes the threshold, or where its valley is.
+  double rise = 0;              ///< Place at which it passes the threshold, or place of its valley.
   bool from_valley = false;     ///< Whether it rises out of another pulse.
 };
 
@@ -47,8 +47,8 @@ class PulseTiming {
   /// response of the calibration.
   PulseTime time(const Waveform& w, const PulseSpan& pulse, double threshold) const;
 
-  /// Finds where between samples k−1 and k the signal passes `level`. It interpolates the logarithm
-  /// linearly, which flanks of pulses nearly follow.
+  /// Finds the place between samples k−1 and k where the signal passes `level`. It interpolates the
+  /// logarithm linearly, which flanks of pulses nearly follow.
   static double crossing(const float* s, size_t k, double level);
 
  private:
@@ -60,8 +60,8 @@ class PulseTiming {
 
   double walk_m(double peak, double threshold) const;
   double saturated_m(const Waveform& w, const PulseSpan& pulse, double threshold) const;
-  /// Finds where the front passes half of `height`. Gives false if it does not do so within the
-  /// pulse.
+  /// Finds the place where the front passes half of `height`. Returns false if it does not do so
+  /// within the pulse.
   static bool half_height(const float* s, const PulseSpan& pulse, double height, Place& place);
   static Table walk_table(const Response& response, float threshold);
   static Table bias_table(const Response& response, Timing timing);

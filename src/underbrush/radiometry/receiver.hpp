@@ -43,9 +43,9 @@ class Receiver {
 
   /// Computes the echoes of one beam. The four spans are equally long, and `signal` is overwritten.
   /// The echo of a return that stands alone, clear of the threshold and of saturation, is drawn
-  /// from the moments of its echoes (`LoneEcho`), unless `way` asks for its waveform; other beams
-  /// have their waveform made. `scratch` then holds the digitised waveform afterwards. Random
-  /// numbers are those of `Purpose::kSignal` of `key`.
+  /// from the moments of its echoes (`LoneEcho`), unless `way` is `kByWaveform`; other beams have
+  /// their waveform made. `scratch` then holds the digitised waveform afterwards. Random numbers
+  /// are those of `Purpose::kSignal` of `key`.
   enum class Way { kFast, kByWaveform };
   Echoes receive(std::span<const float> range_m, std::span<const float> weight,
                  std::span<const float> factor, std::span<float> signal, uint64_t key,

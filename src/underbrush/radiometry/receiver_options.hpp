@@ -1,5 +1,5 @@
 /// \file
-/// The options of a sensor's receiver, and how they follow from the sensor's data.
+/// The options of a sensor's receiver, and their derivation from the sensor's data.
 #pragma once
 #include <limits>
 
@@ -22,7 +22,7 @@ struct ReceiverOptions {
   /// Signal of a white, Lambertian, perpendicular target that all of the beam hits.
   double signal_at_1m = 1e5;
   double extinction_per_m = 0;  ///< Extinction of the air, one way.
-  double noise_sigma = 1;       ///< In the dark; 0 = no noise.
+  double noise_sigma = 1;       ///< Noise in the dark; 0 = no noise.
   /// The variance that sunlight from a white scene in all of the view adds to the noise, in units
   /// of its variance in the dark.
   double sunlit_variance = 0;

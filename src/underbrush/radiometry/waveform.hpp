@@ -1,6 +1,6 @@
 /// \file
-/// This file has the received signal over range, which is evaluated only where something comes
-/// back.
+/// This file has the received signal over range, which is evaluated only in the blocks that returns
+/// reach.
 #pragma once
 #include <cstdint>
 #include <span>

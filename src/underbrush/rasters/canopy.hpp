@@ -1,5 +1,5 @@
 /// \file
-/// What foresters ask of a stand: plant area density and gap fraction by voxel, canopy height and
+/// The structure of a forest stand: plant area density and gap fraction by voxel, canopy height and
 /// cover by cell of a map, all of them computed from the hit probabilities of a model.
 #pragma once
 #include <array>
@@ -18,7 +18,7 @@ namespace rasters {
 struct CanopyOptions {
   double cell_m = 1;          ///< m; side of the cells of maps and of the voxels.
   int rays = 4;               ///< Number of rays along each side of a cell.
-  double cover_height_m = 2;  ///< m; what stands higher above the ground is canopy.
+  double cover_height_m = 2;  ///< m; matter higher above the ground is canopy.
 };
 
 /// A stand in cells and voxels. Maps have `size[0] · size[1]` values, x fastest; voxel grids have
@@ -35,7 +35,7 @@ struct Canopy {
   /// Mean probability that a vertical ray from above is stopped higher than `cover_height_m`.
   std::vector<float> cover;
   /// Mean of ∏ (1 − p) over rays through the voxel along x, y and z, as many along each, with the
-  /// hit probabilities p of what a ray meets in it, without the ground.
+  /// hit probabilities p of the elements that a ray meets in it, without the ground.
   std::vector<float> gap;
   /// m²/m³; one-sided plant area density, with which the mean of exp(−density · G · side) over the
   /// rays is `gap`. G is that of the leaf angles of the models; where models differ, it is 1/2 as
@@ -75,8 +75,8 @@ class CanopyMaker {
   Canopy canopy_;
 };
 
-/// Computes the cells and voxels of all elements of a scene. `scene` is what `world` was made of.
-/// Throws as `CanopyMaker` does.
+/// Computes the cells and voxels of all elements of a scene. `world` was made of `scene`. Throws as
+/// `CanopyMaker` does.
 Canopy canopy_of(const elements::Scene& scene, const trace::World& world,
                  const CanopyOptions& options = {});
 

@@ -7,10 +7,10 @@
 
 namespace underbrush::rasters {
 
-/// Computes what `canopy_of` computes of the whole world, to the bit. No more regions are open at a
-/// time than fit into `memory_bytes`, what they have in common included; the stand itself takes
-/// memory besides. Throws as `CanopyMaker` does, `FormatError` for a damaged region, and
-/// `DataError` where the regions of one column of cells do not fit.
+/// Computes the result of `canopy_of` for the whole world, to the bit. No more regions are open at
+/// a time than fit into `memory_bytes`, their common part included; the stand itself takes memory
+/// besides. Throws as `CanopyMaker` does, `FormatError` for a damaged region, and `DataError` where
+/// the regions of one column of cells do not fit.
 Canopy canopy_of_regions(const regions::WorldFolder& world, uint64_t memory_bytes,
                          const CanopyOptions& options);
 

@@ -9,8 +9,8 @@ namespace underbrush::regions {
 
 /// Writes a scene, or a model as a scene without instances, as a world of regions of the side
 /// `side_m` (m). An element lies in the region of its middle, and an instance in that of its
-/// origin. Of a scene, the model of the first instance is cut; what moves belongs to no region.
-/// `provenance` is a JSON object. Returns the number of regions. Throws `IoError`, and
+/// origin. Of a scene, the model of the first instance is cut; moving instances belong to no
+/// region. `provenance` is a JSON object. Returns the number of regions. Throws `IoError`, and
 /// `std::invalid_argument` for a side that is not positive, and for a scene whose first instance is
 /// turned or scaled, moves, stands twice, or has a map of observed space.
 size_t write_world(const std::filesystem::path& path, const elements::Scene& scene,

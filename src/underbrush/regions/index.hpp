@@ -20,10 +20,10 @@ inline constexpr int kWorldVersion = 1;
 /// The side of a region that is written unless another is given, m.
 inline constexpr double kSideM = 128;
 
-/// What stands in a square: the elements and instances whose middles lie in it.
+/// The content of a square: the elements and instances whose middles lie in it.
 struct Region {
   Cell2 square;                ///< In sides.
-  Eigen::AlignedBox3d bounds;  ///< m, world; of all that a ray can meet.
+  Eigen::AlignedBox3d bounds;  ///< m, world; the box of all that a ray can meet.
   /// Elements of the model that is cut, by `elements::Kind`.
   std::array<uint32_t, 3> elements{};
   uint32_t instances = 0;

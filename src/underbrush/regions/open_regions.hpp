@@ -9,7 +9,7 @@
 
 namespace underbrush::regions {
 
-/// How far the rays of a log's beams can reach.
+/// The reach of the rays of a log's beams.
 struct Reach {
   double range_m = 0;   ///< m; no ray ends farther.
   double spread_m = 0;  ///< m; at that range, the distance of a ray from its beam's axis.
@@ -20,13 +20,13 @@ struct Reach {
 /// most recently stay open.
 class OpenRegions {
  public:
-  /// `world` must outlive it. `memory_bytes` is the memory for the world, what its regions have in
-  /// common included.
+  /// `world` must outlive it. `memory_bytes` is the memory for the world, the common part of its
+  /// regions included.
   OpenRegions(const WorldFolder& world, uint64_t memory_bytes);
 
-  /// Opens what the beams [begin, end) of a log need, and returns the largest `end` of those tried
-  /// (the log's end, and half as many beams again and again) whose regions fit into the memory.
-  /// Throws `DataError` where those of a single beam do not.
+  /// Opens the regions that the beams [begin, end) of a log need, and returns the largest `end` of
+  /// those tried (the log's end, and half as many beams again and again) whose regions fit into the
+  /// memory. Throws `DataError` where those of a single beam do not.
   size_t open_for(const BeamLog& beams, size_t begin, const Reach& reach);
   /// Returns the open regions, ascending, if `open_for` has changed them since this was called
   /// last.

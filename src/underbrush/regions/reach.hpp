@@ -10,7 +10,7 @@ namespace underbrush::regions {
 
 /// Returns the places in the index, ascending, of the regions that any of the beams [begin, end) of
 /// a log meets up to the range `range_m` (m). A region counts as met up to `spread_m` (m) beside
-/// its bounds, which is how far the rays of a beam lie from its axis.
+/// its bounds, which is the distance of a beam's rays from its axis.
 std::vector<uint32_t> reached(const Index& index, const BeamLog& beams, size_t begin, size_t end,
                               double range_m, double spread_m);
 

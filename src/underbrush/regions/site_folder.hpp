@@ -29,13 +29,13 @@ struct SiteFolder {
   std::vector<SitePart> parts;  ///< In rows from south to north, in a row from west to east.
 };
 
-/// What `generate_site` wrote.
+/// The numbers of the parts, triangles and objects that `generate_site` wrote.
 struct GeneratedSite {
   size_t parts = 0, triangles = 0;
-  std::map<elements::Class, size_t> objects;  ///< By class.
+  std::map<elements::Class, size_t> objects;  ///< Their numbers by class.
 };
 
-/// Called with the number of parts that are done and that of all.
+/// A function that is called with the number of parts that are done and that of all.
 using PartProgress = std::function<void(size_t, size_t)>;
 
 /// Generates a site of terrain (`sites::SiteGenerator`) and writes it in parts of the side
@@ -51,7 +51,7 @@ GeneratedSite generate_site(const std::filesystem::path& path,
 bool is_site(const std::filesystem::path& path);
 /// Throws the `IoError` that `generate_site` would begin with.
 void check_site_output(const std::filesystem::path& path);
-/// Reads what a site consists of. Throws `FormatError`.
+/// Reads the list of the parts of a site. Throws `FormatError`.
 SiteFolder read_site(const std::filesystem::path& path);
 
 }  // namespace underbrush::regions

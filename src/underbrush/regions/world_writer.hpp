@@ -11,15 +11,15 @@
 
 namespace underbrush::regions {
 
-/// What stands in a region, with its numbers in the whole, which ascend.
+/// The content of a region, with its numbers in the whole, which ascend.
 struct RegionContent {
   /// Elements of the model that is cut, relative to its origin, with its parameters and without
   /// keyframes.
   elements::Model model;
-  std::array<std::vector<uint32_t>, 3> numbers;  ///< One for each element, by `elements::Kind`.
+  std::array<std::vector<uint32_t>, 3> numbers;  ///< Number of each element, by `elements::Kind`.
   std::vector<elements::Instance> instances;
-  std::vector<elements::Class> labels;     ///< One for each instance.
-  std::vector<uint32_t> instance_numbers;  ///< One for each instance.
+  std::vector<elements::Class> labels;     ///< The class of each instance.
+  std::vector<uint32_t> instance_numbers;  ///< The number of each instance.
 };
 
 /// Writes a world region by region, so that no more than one needs to be in memory. The folder
@@ -34,11 +34,11 @@ class WorldWriter {
   /// Adds a region, each square once, in any order. `boxes` has the box of what rays can meet of
   /// each model of the scene, in the model's frame (m). Throws `IoError`.
   void add(const Cell2& square, RegionContent content, std::span<const Eigen::AlignedBox3d> boxes);
-  /// Writes what all regions of a model have in common: its parameters, its keyframes and the map
-  /// of observed space. `whole` has the parameters; its elements count where space is unknown
+  /// Writes the common part of all regions of a model: its parameters, its keyframes and the map of
+  /// observed space. `whole` has the parameters; its elements count where space is unknown
   /// (`elements::PartOf::ground`) and for the mean reflectance. Throws `IoError`.
   void finish(const elements::Model& whole, const std::string& provenance);
-  /// The same of a scene: `common` has all models, of which the first is the one that is cut and
+  /// Writes that of a scene: `common` has all models, of which the first is the one that is cut and
   /// stands as its first instance, and the instances that belong to no region, with their numbers.
   void finish(const elements::Scene& common, const elements::SceneInfo& info);
 

@@ -34,7 +34,7 @@ struct BeamOptions {
   /// none.
   double unknown_below_rad = -13 * 0.017453292519943295;
   /// Recorded misses of rings below this elevation count as unknown; by default all are kept.
-  /// Formats do not tell misses from beams that the own robot blocked or whose returns were
+  /// Formats do not distinguish misses from beams that the own robot blocked or whose returns were
   /// filtered out.
   double recorded_unknown_below_rad = -2;
 };
@@ -45,8 +45,8 @@ inline constexpr const char* kNoGrid = "no coordinates and no grid to tell the d
 /// Counts of the points of all scans read so far.
 struct BeamCounts {
   size_t hits = 0;
-  size_t misses_recorded = 0;  ///< In the file; their directions come from its grid.
-  size_t misses_inferred = 0;  ///< Inserted.
+  size_t misses_recorded = 0;  ///< Misses in the file; their directions come from its grid.
+  size_t misses_inferred = 0;  ///< Misses that were inserted.
   size_t unknown = 0;          ///< Beams without a return that may not be misses; left out.
   size_t scans_ringed_by_elevation = 0;  ///< Scans whose rings do not follow from the file's order.
   std::map<std::string, size_t> skipped;  ///< Points left out, by reason.

@@ -22,10 +22,10 @@ struct Angles {
 struct OrganisedScan {
   size_t rows = 0, columns = 0;
   bool column_major = false;  ///< Index = column · rows + row, else row · columns + column.
-  double step_rad = 0;        ///< Signed: negative for clockwise rotation.
+  double step_rad = 0;        ///< Step of azimuth, negative for clockwise rotation.
   std::vector<double> elevation_rad, azimuth_rad;  ///< The angles of each row.
   std::optional<ScanMotion>
-      motion;  ///< If the points are motion-compensated; u = column / columns.
+      motion;  ///< Set if the points are motion-compensated; u = column / columns.
 
   size_t row(size_t i) const { return column_major ? i % rows : i / columns; }
   size_t column(size_t i) const { return column_major ? i / rows : i % columns; }

@@ -1,5 +1,5 @@
 /// \file
-/// This file finds which returns of a scan belong to one pulse.
+/// This file finds the returns of a scan that belong to one pulse.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -20,7 +20,7 @@ struct PulseReturns {
   /// A later return of a pulse.
   struct Later {
     uint32_t first = 0;  ///< Index of its pulse in `first`.
-    float range_m = 0;   ///< From the sensor's origin.
+    float range_m = 0;   ///< Range from the sensor's origin.
     float intensity = 0;
     uint8_t echo = 0;  ///< 2, 3, … in order of range.
   };

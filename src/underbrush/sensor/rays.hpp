@@ -14,7 +14,7 @@ namespace underbrush::sensor {
 /// The meaning of a stored point.
 enum class PointKind : uint8_t { kReturn, kNothing, kTooNear };
 
-/// Tells what a point stands for: `kNothing` for a point that is (0,0,0) or not finite, which
+/// Returns the meaning of a point: `kNothing` for a point that is (0,0,0) or not finite, which
 /// organised formats store for a miss; `kTooNear` for a range below `min_range_m`; else `kReturn`.
 inline PointKind kind_of(const Vec3f& p, double min_range_m) {
   if (!p.allFinite() || p.isZero(0)) return PointKind::kNothing;
@@ -32,7 +32,7 @@ struct SensorRay {
   PointKind kind = PointKind::kNothing;
   double azimuth_rad = 0;  ///< Counter-clockwise from forward.
   double elevation_rad = 0;
-  double time_s = 0;  ///< Absolute.
+  double time_s = 0;  ///< Absolute time, s.
 };
 
 /// Computes the azimuth of a point seen from the origin, rad, counter-clockwise from x.

@@ -22,7 +22,7 @@ std::vector<uint16_t> rings_from_elevation(const std::vector<Vec3f>& points, con
 /// Counts of `insert_misses`.
 struct InsertedMisses {
   size_t inserted = 0;
-  size_t unknown = 0;  ///< Not inserted, because their ring points below `unknown_below_rad`.
+  size_t unknown = 0;  ///< Misses left out because their ring points below `unknown_below_rad`.
 };
 
 /// Appends to `rays` the misses that the format dropped.

@@ -12,8 +12,8 @@ namespace underbrush::sensor {
 /// A prism that rotates about the x axis of its laser. One of its faces is perpendicular to that
 /// axis.
 struct Prism {
-  double rotor_hz = 0;   ///< Revolutions a second, clockwise in the view along x.
-  double angle_rad = 0;  ///< Between the faces; positive where the laser's side is inclined.
+  double rotor_hz = 0;   ///< Revolutions per second, clockwise in the view along x.
+  double angle_rad = 0;  ///< Angle between the faces; positive where the laser's side is inclined.
   double index = 1;      ///< Refractive index, relative to the air's.
 };
 
@@ -28,8 +28,8 @@ struct PrismLaser {
 
 /// Lasers that fire together at a constant rate.
 struct Risley {
-  double pulse_hz = 0;  ///< Shots a second of each laser.
-  double start_s = 0;   ///< For how long the prisms have turned at the first shot.
+  double pulse_hz = 0;  ///< Shots per second of each laser.
+  double start_s = 0;   ///< Time for which the prisms have turned at the first shot.
   std::vector<PrismLaser> lasers;
 
   /// Shot `k`; its ring is the laser. Each face refracts the beam d as [li17] has it: with the

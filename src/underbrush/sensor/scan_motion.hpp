@@ -8,7 +8,7 @@
 
 namespace underbrush::sensor {
 
-/// How the beams' frame moved over a scan against the frame of its points: a point measured in the
+/// The motion of the beams' frame over a scan in the frame of its points: a point measured in the
 /// beams' frame at share u ∈ [0, 1] of the scan lies at R(u) · point + T(u). R(u) is the rotation
 /// by a vector that is piecewise linear in u, T(u) is linear. The default is no motion.
 class ScanMotion {

@@ -40,16 +40,16 @@ struct Sensor {
   std::string name;                  ///< Catalogue name.
   std::string file;                  ///< The data file (YAML), if not of the catalogue.
   std::string title;                 ///< Maker and model.
-  std::vector<std::string> sources;  ///< Where the values come from; [memory] = unchecked.
+  std::vector<std::string> sources;  ///< Sources of the values; [memory] = unchecked.
   Kind kind = Kind::kSpinning;
-  double rate_hz = 10;  ///< Revolutions or frames a second.
+  double rate_hz = 10;  ///< Revolutions or frames per second.
   /// The channels of a spinning sensor or a sweep. The index is the ring; the data file defines
   /// which end is ring 0.
   std::vector<Channel> channels;
   /// Time in which all channels fire once; without channels, time of a shot.
   double firing_period_s = 0;
   bool clockwise = true;         ///< Direction of rotation, seen from above.
-  double start_azimuth_rad = 0;  ///< Where a revolution begins.
+  double start_azimuth_rad = 0;  ///< Azimuth at which a revolution begins.
   int firings_per_packet = 1;    ///< Firings in a data packet, which are taken to share a pose.
   Raster raster;                 ///< For `kRaster`.
   std::vector<Shot> shots;       ///< For `kSequence`: the shots of a cycle, in order of time.
@@ -83,7 +83,7 @@ struct Sensor {
   double shot_cycle_s() const;
   /// The number of shots of a cycle.
   uint64_t shots_per_cycle() const;
-  /// Shot `k` since the start of the first cycle, as its time is.
+  /// Shot `k`; its number and its time count from the start of the first cycle.
   Shot shot(uint64_t k) const;
   /// The number of shots before `time_s` after the start of the first cycle.
   uint64_t shots_before(double time_s) const;

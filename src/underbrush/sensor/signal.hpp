@@ -16,15 +16,15 @@ enum class Pulse : uint8_t {
 /// The way in which the range of a pulse is measured.
 enum class Timing : uint8_t {
   kPeak,              ///< At the maximum, by a parabola through the logarithms of three samples.
-  kLeadingEdge,       ///< Where it rises through the threshold, corrected for the height of the
-                      ///< peak; of a pulse that rises out of a valley, the peak.
-  kConstantFraction,  ///< Where it rises through half of its peak; of a pulse that rises out of a
-                      ///< higher valley, the peak.
+  kLeadingEdge,       ///< At the rise through the threshold, corrected for the height of the peak;
+                      ///< for a pulse that rises out of a valley, at the peak.
+  kConstantFraction,  ///< At the rise through half of the peak; for a pulse that rises out of a
+                      ///< higher valley, at the peak.
 };
 
 /// The echoes of a beam that a sensor reports.
 enum class ReturnMode : uint8_t {
-  kStrongest,  ///< The one with the most energy.
+  kStrongest,  ///< The echo with the most energy.
   kFirst,
   kLast,
   kAll,  ///< The strongest `max_echoes`, in order of range.
@@ -47,10 +47,10 @@ struct SignalChain {
   double sample_s = 1e-9;      ///< Time between samples of the analog–digital converter.
   Timing timing = Timing::kPeak;
   double threshold_snr = 5;  ///< Least signal-to-noise ratio of a reported echo.
-  /// Where a target of `detection_reflectance` is just detected; 0 = maximum range.
+  /// Range at which a target of `detection_reflectance` is just detected; 0 = maximum range.
   double detection_range_m = 0;
   double detection_reflectance = 0.1;
-  double min_gap_m = 0;          ///< Where two echoes are nearer together, the stronger one stays.
+  double min_gap_m = 0;          ///< Least distance of echoes; of nearer ones, the stronger stays.
   double saturation_snr = 4000;  ///< Signal-to-noise ratio at the converter's upper limit.
   double adc_step_snr = 0;       ///< Step of the converter, in units of the noise; 0 = none.
   ReturnMode mode = ReturnMode::kStrongest;

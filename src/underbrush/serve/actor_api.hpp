@@ -1,5 +1,5 @@
 /// \file
-/// What moves in a scene, with edits: docs/reference/serve-api.md.
+/// The moving things of a scene, with edits: docs/reference/serve-api.md.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -9,11 +9,11 @@
 
 namespace underbrush::serve {
 
-/// Describes what moves in a scene as JSON, after edits: for each name the class, what was learnt
-/// of it, and its parts with their poses relative to the origin; and in `list` the edits as the
-/// content of a file. `edits` is such a content, or a JSON list of edits, or "" for none. Errors
-/// name it `place`: `FormatError` for edits that cannot be applied, and `std::invalid_argument` for
-/// those that name files.
+/// Describes the moving things of a scene as JSON, after edits: for each name the class, the report
+/// of its learning, and its parts with their poses relative to the origin; and in `list` the edits
+/// as the content of a file. `edits` is such a content, or a JSON list of edits, or "" for none.
+/// Errors call the edits `place`: `FormatError` for edits that cannot be applied, and
+/// `std::invalid_argument` for those that name files.
 std::string actors_json(const WorldData& world, const std::string& edits, const std::string& place);
 
 /// Writes edits of the actors of `scene` as a file that `actors::read_actors` reads, if they can be

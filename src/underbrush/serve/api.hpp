@@ -1,5 +1,5 @@
 /// \file
-/// What the server answers: the page, and the data of the files that it was started for.
+/// The answers of the server: the page, and the data of the files that it was started for.
 /// docs/reference/serve-api.md lists the requests.
 #pragma once
 #include <filesystem>

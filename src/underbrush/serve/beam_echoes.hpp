@@ -1,5 +1,5 @@
 /// \file
-/// What an instrument makes of a beam in a world: its waveform and its echoes.
+/// The response of an instrument to a beam in a world: its waveform and its echoes.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -9,11 +9,11 @@
 
 namespace underbrush::serve {
 
-/// Fires a logged beam at a world and returns as JSON what the instrument receives: the name of the
-/// sensor, the number of sub-rays, the threshold, the waveform (`range_m`, `signal`; samples where
-/// nothing comes back are left out), and the echoes with range, intensity and the other columns
-/// that the program writes. `sensor` is a name of the catalogue; if it is empty, the log's own
-/// sensor is taken. The answer is that of `underbrush simulate WORLD --like LOG --super-sample
+/// Fires a logged beam at a world and returns as JSON the response of the instrument: the name of
+/// the sensor, the number of sub-rays, the threshold, the waveform (`range_m`, `signal`; samples
+/// where nothing comes back are left out), and the echoes with range, intensity and the other
+/// columns that the program writes. `sensor` is a name of the catalogue; if it is empty, the log's
+/// own sensor is taken. The answer is that of `underbrush simulate WORLD --like LOG --super-sample
 /// sensor` with that seed.
 ///
 /// Throws `std::invalid_argument` where the catalogue does not have the sensor, or the log names

@@ -1,5 +1,5 @@
 /// \file
-/// A list of edits of actors that was named beside what it edits.
+/// A list of edits of actors, named in place of the folder of these.
 #pragma once
 #include <filesystem>
 #include <string>

@@ -6,7 +6,7 @@ namespace underbrush::serve {
 
 /// Follows the bytes of a request's head and refuses lines that another program might divide or
 /// read otherwise: ends of lines without CR, lines that go on in the next one, names of headers
-/// with a space, and control characters. What such a line hides cannot become a second request.
+/// with a space, and control characters. The content of such a line cannot become a second request.
 class HeadLines {
  public:
   /// Takes the next byte. Returns false where it makes the head wrong.

@@ -38,9 +38,9 @@ struct HttpLimits {
   size_t workers = 24;        ///< Connections that are answered at the same time.
   size_t waiting = 48;        ///< Further connections that wait; more are closed at once.
   size_t head_bytes = 16384;  ///< Longest request; there are no bodies.
-  double request_s = 5;       ///< From the first byte of a request to its last.
-  double reply_s = 60;        ///< For sending a reply.
-  double idle_s = 5;          ///< A connection without a request is closed.
+  double request_s = 5;       ///< Longest time from the first byte of a request to its last.
+  double reply_s = 60;        ///< Longest time for sending a reply.
+  double idle_s = 5;          ///< Time after which a connection without a request is closed.
   size_t requests = 1000;     ///< Requests on one connection.
 };
 

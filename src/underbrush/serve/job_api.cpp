@@ -1,9 +1,11 @@
 #include "underbrush/serve/job_api.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <span>
+#include <sstream>
 
 #include "underbrush/actors/learn_actors.hpp"
 #include "underbrush/core/check.hpp"
@@ -35,7 +37,7 @@ struct Input {
 // An option that a request may set, with `_` for `-` in its key.
 struct Setting {
   std::string name;  ///< Without dashes.
-  std::string group, unit, help, type, usual;
+  std::string group, unit, help, value, type, usual;
   double least = -kNoLimit, most = kNoLimit;
   std::vector<std::string_view> choices = {};
 
@@ -46,24 +48,38 @@ struct Setting {
   }
 };
 
-// The rows of a table that are numbers, flags and words from lists, without those of the group
-// `left_out`. No other text of a request reaches a command line.
+// Whether the value of an option is text of a form that is stated, and names no file.
+template <class Row>
+bool is_plain_text(const Row& row) {
+  const std::string_view type = type_of(row);
+  if ((type != "str" && type != "Sequence[str]") || row.value.empty()) return false;
+  for (const std::string_view place : {"ANNOTATION", "PRIMITIVES", ".json"}) {
+    if (row.value.find(place) != std::string_view::npos) return false;
+  }
+  return true;
+}
+
+// The rows of a table that name no file and that help lists, without those of the group `left_out`.
 template <class Row>
 std::vector<Setting> settings_of(std::span<const Row> table, std::string_view left_out = "none") {
   const typename Row::Options defaults{};
   std::vector<Setting> out;
   for (const Row& row : table) {
     const std::string type(type_of(row));
-    if (type != "float" && type != "int" && type != "bool" && row.choices.empty()) continue;
+    const bool is_value = type == "float" || type == "int" || type == "bool";
+    if (!is_value && row.choices.empty() && !is_plain_text(row)) continue;
     if (row.group == left_out) continue;
+    if constexpr (requires { row.listed; }) {
+      if (row.listed == fit::Listed::kReference) continue;
+    }
     out.push_back({std::string(row.name), std::string(row.group), std::string(row.unit),
-                   std::string(row.help), type, text_of(row, defaults), row.least, row.most,
-                   row.choices});
+                   std::string(row.help), std::string(row.value), type, text_of(row, defaults),
+                   row.least, row.most, row.choices});
   }
   return out;
 }
 
-const Setting kSeed{"seed", "", "", kSeedHelp, "int", text_of(fit::FitOptions().seed), 0, 9e15};
+const Setting kSeed{"seed", "", "", kSeedHelp, "", "int", text_of(fit::FitOptions().seed), 0, 9e15};
 
 std::vector<Setting> with_seed(std::vector<Setting> settings) {
   settings.insert(settings.begin(), kSeed);
@@ -183,6 +199,23 @@ std::string number_text(double value, bool whole) {
   return text;
 }
 
+// An option and its values, which a request separates by blanks. A value begins with a letter or a
+// digit and has no slash, so that it is neither an option nor a path.
+std::vector<std::string> with_values(const std::string& option, const std::string& text) {
+  std::vector<std::string> out{option};
+  std::istringstream words(text);
+  for (std::string word; words >> word; out.push_back(word)) {
+    const bool plain = word.size() <= 80 &&
+                       std::isalnum(static_cast<unsigned char>(word.front())) &&
+                       word.find_first_not_of(
+                           "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                           "_-=:,.+") == std::string::npos;
+    require(plain, "a value with other characters than letters, digits and _ - = : , . +");
+  }
+  require(out.size() > 1, "a value is missing");
+  return out;
+}
+
 // The words by which a command takes what the request says of a setting.
 std::vector<std::string> words_of(const Setting& setting, const Query& query) {
   const std::string key = setting.key(), option = "--" + setting.name;
@@ -198,6 +231,9 @@ std::vector<std::string> words_of(const Setting& setting, const Query& query) {
             "a word that is none of the choices");
     return {option, word};
   }
+  if (setting.type != "float" && setting.type != "int") {
+    return with_values(option, query.text(key.c_str()));
+  }
   const double value = query.real(key.c_str());
   const bool whole = setting.type == "int";
   require(value >= setting.least && value <= setting.most && (!whole || value == std::floor(value)),
@@ -208,9 +244,10 @@ std::vector<std::string> words_of(const Setting& setting, const Query& query) {
 Json limit(double value) { return std::isinf(value) ? Json(nullptr) : Json(value); }
 
 Json json_of(const Setting& s) {
-  return {{"name", s.name},          {"group", s.group},      {"type", s.type},
-          {"default", s.usual},      {"unit", s.unit},        {"help", s.help},
-          {"least", limit(s.least)}, {"most", limit(s.most)}, {"choices", s.choices}};
+  return {{"name", s.name},      {"group", s.group},        {"type", s.type},
+          {"default", s.usual},  {"unit", s.unit},          {"help", s.help},
+          {"value", s.value},    {"least", limit(s.least)}, {"most", limit(s.most)},
+          {"choices", s.choices}};
 }
 
 // The settings of all commands, by command.

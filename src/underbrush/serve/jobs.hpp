@@ -13,20 +13,20 @@
 
 namespace underbrush::serve {
 
-/// What a job does: running, and then how it ended.
+/// The state of a job: running, or the way in which it ended.
 enum class JobState { kRunning, kDone, kFailed, kCancelled };
 
 /// Returns "running", "done", "failed" or "cancelled".
 const char* name(JobState state);
 
-/// A job as it stands.
+/// The present state of a job.
 struct JobFacts {
   size_t number = 0;
   std::vector<std::string> command;
   JobState state = JobState::kRunning;
   int exit_code = 0;
   double seconds = 0;
-  std::string log;       ///< The last 64 KiB of what the program printed, without `progress`.
+  std::string log;       ///< The last 64 KiB of the program's output, without `progress`.
   std::string progress;  ///< The line that the program is drawing.
 };
 

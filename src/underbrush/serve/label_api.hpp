@@ -12,7 +12,7 @@
 
 namespace underbrush::serve {
 
-/// What the requests about labels need of the others.
+/// The functions of the server that requests about labels need.
 struct ServedFiles {
   std::function<OpenedFile(size_t)> file;  ///< Throws for a number that no file has.
   std::function<LogData*(size_t)> log;     ///< Null for a file that is no log.

@@ -16,8 +16,8 @@ inline constexpr uint32_t kMostClasses = 128;
 /// The greatest number of an instance.
 inline constexpr uint32_t kMostInstance = (1u << 24) - 1;
 
-/// The label of a row in 32 bits: bits 0–6 are the class, bit 7 says whether the row is selected,
-/// and bits 8–31 are the instance, 0 for none. A row without a return has 0.
+/// The label of a row in 32 bits: bits 0–6 are the class, bit 7 is set if the row is selected, and
+/// bits 8–31 are the instance, 0 for none. A row without a return has 0.
 struct LabelValue {
   uint32_t label = 0, instance = 0;
   bool selected = false;
@@ -26,8 +26,8 @@ struct LabelValue {
   uint32_t bits() const { return label | (selected ? 128u : 0u) | instance << 8; }
 };
 
-/// Rows in ascending order, as pairs of numbers of variable length: how many rows are left out, and
-/// how many follow.
+/// Rows in ascending order, as pairs of numbers of variable length: the rows that are left out, and
+/// those that follow.
 class RowRuns {
  public:
   /// Adds a row, which is greater than all before.
@@ -55,7 +55,7 @@ struct LabelChange {
   bool everywhere = false;
   /// Changes of the same stroke that follow each other are undone together; 0 = alone.
   uint32_t stroke = 0;
-  /// What a person did, such as "lasso: grass".
+  /// The action of the person, such as "lasso: grass".
   std::string name;
 
   void add(uint32_t row, uint32_t from, uint32_t to) {

@@ -14,12 +14,12 @@
 
 namespace underbrush::serve {
 
-/// What a document belongs to, as the header of its journal keeps it.
+/// The file that a document belongs to, as the header of its journal has it.
 struct LabelFacts {
   std::string file;      ///< Name of the log or model.
   std::string set;       ///< The label set of `elements::labels_of`.
   uint64_t rows = 0;     ///< Rows of the log; 0 for a model, which has boxes only.
-  std::string contents;  ///< Tells logs of the same number of rows apart.
+  std::string contents;  ///< Distinguishes logs of the same number of rows.
 };
 
 /// Labels with their journal. A document is used by one thread at a time.
@@ -59,7 +59,7 @@ class LabelDocument {
   void put_box(uint32_t number, const std::optional<std::string>& value, uint32_t stroke = 0);
   /// Takes back the last change, with all others of its stroke. Returns false where there is none.
   bool undo();
-  /// Applies again what `undo` took back last.
+  /// Applies again the change that `undo` took back last.
   bool redo();
 
  private:

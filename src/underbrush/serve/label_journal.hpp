@@ -35,7 +35,7 @@ class LabelJournal {
   void replay(const std::function<void(uint64_t, std::string_view)>& visit);
   /// Appends a record and returns its place. Throws `IoError`; the journal is then as before.
   uint64_t append(std::string_view record);
-  /// Reads the record at a place that `append` or the constructor told.
+  /// Reads the record at a place that `append` returned or `replay` passed.
   std::string read(uint64_t at) const;
 
  private:

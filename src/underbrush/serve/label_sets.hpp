@@ -9,8 +9,8 @@ namespace underbrush::serve {
 
 /// Returns the number of the set `to` that comes nearest to a number of the set `from`
 /// (`elements::labels_of`), or nothing where it has none. Names that both sets have stay as they
-/// are; else ground, grass, shrubs and trees are translated. Sets that do not know the size of a
-/// plant yield shrubs and trees of medium size, and SemanticKITTI's vegetation yields shrubs.
+/// are; else ground, grass, shrubs and trees are translated. Sets without sizes of plants yield
+/// shrubs and trees of medium size, and SemanticKITTI's vegetation yields shrubs.
 std::optional<uint32_t> label_in_set(std::string_view from, uint32_t number, std::string_view to);
 
 /// Returns the place of a number in the list of a set, or nothing.

@@ -1,6 +1,6 @@
 /// \file
-/// The labels of an opened file: its document, opened when it is first asked for, and what can be
-/// done with it.
+/// The labels of an opened file: its document, which is opened when it is first needed, and the
+/// operations on it.
 #pragma once
 #include <filesystem>
 #include <memory>
@@ -21,16 +21,16 @@ class LabelConflict : public std::runtime_error {
  public:
   explicit LabelConflict(uint64_t now)
       : std::runtime_error("the labels were changed elsewhere"), revision(now) {}
-  uint64_t revision;  ///< The present state's.
+  uint64_t revision;  ///< The revision of the present state.
 };
 
-/// What an edit did.
+/// The result of an edit.
 struct EditResult {
   uint64_t revision = 0, rows = 0;
   uint32_t instance = 0;  ///< The instance that the rows have now, if the edit gave one.
 };
 
-/// Where labels are copied from.
+/// The points and labels from which labels are copied.
 struct LabelSource {
   std::vector<Vec3> points;  ///< World, m.
   std::vector<uint32_t> values;
@@ -49,8 +49,8 @@ class LabelsOfFile {
   std::string values_of(const std::vector<uint32_t>& nodes);
   /// Instances with the class and the number of points of each, as JSON.
   std::string instances();
-  /// The number of points that a selection means, and of their classes, as JSON, with a histogram
-  /// of heights.
+  /// The number of points of a selection, and of their classes, as JSON, with a histogram of
+  /// heights.
   std::string count(const Selection& selection);
 
   EditResult edit(uint64_t revision, const Selection& selection, LabelAction action,
@@ -101,8 +101,8 @@ class LabelsOfFile {
 };
 
 /// Checks the text of a box: a JSON object with the class of an object, `position_m`, `yaw_rad`,
-/// and `min_m` and `max_m` in its own frame; for what moves also its `track` and `scan`. Throws
-/// `std::invalid_argument`.
+/// and `min_m` and `max_m` in its own frame; for a moving object also its `track` and `scan`.
+/// Throws `std::invalid_argument`.
 void check_box(const std::string& text);
 
 }  // namespace underbrush::serve

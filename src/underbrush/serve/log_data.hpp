@@ -21,13 +21,13 @@ struct LoggedBeam {
   BeamLog rows;         ///< All rows of the beam, one for each echo.
   uint64_t number = 0;  ///< Number of the beam in the log, as `simulate` counts.
   uint64_t first = 0;   ///< Row at which the beam begins.
-  size_t asked = 0;     ///< Which of `rows` was asked for.
+  size_t asked = 0;     ///< Index in `rows` of the row that was asked for.
 };
 
 /// Beams of a log that follow each other.
 struct LoggedBeams {
   BeamLog beams;              ///< One row for each beam: its first echo, or its miss.
-  std::vector<uint32_t> row;  ///< The row of the log for each.
+  std::vector<uint32_t> row;  ///< The row of each beam in the log.
   uint64_t number = 0;        ///< Number of the first beam in the log.
 };
 

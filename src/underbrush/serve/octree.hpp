@@ -14,12 +14,12 @@
 #include "underbrush/core/file.hpp"
 
 namespace underbrush {
-/// The server behind `underbrush serve`: octrees of points, the HTTP server and what it answers.
+/// The server behind `underbrush serve`: octrees of points, the HTTP server and its answers.
 namespace serve {
 
 /// Version of the layout that is written. Files of other versions are made anew.
 inline constexpr uint32_t kOctreeVersion = 1;
-/// Cells along each side of a node. A node that has children holds one point a cell at most.
+/// Cells along each side of a node. A node that has children holds at most one point per cell.
 inline constexpr uint32_t kNodeCells = 64;
 /// A node with at most so many points left has no children.
 inline constexpr size_t kLeafPoints = 8192;
@@ -68,9 +68,9 @@ struct OctreeOptions {
   size_t chunk_points = 2'000'000;
   /// Memory for parts that are built at the same time, bytes; one part is always allowed.
   size_t memory_bytes = size_t(3) << 28;
-  /// Text that the description repeats as `source`; the cache writes there what the log is.
+  /// Text that the description repeats as `source`, by which the cache identifies the log.
   std::string source;
-  /// Tells how much is done of a total; may be empty. Called from one thread.
+  /// A function that gets the amount done and the total; may be empty. Called from one thread.
   std::function<void(size_t done, size_t total)> progress;
 };
 

@@ -44,7 +44,7 @@ struct OctreeRoot {
 
   /// The level whose cells are single units, or `kDeepestLevel`.
   uint32_t deepest() const { return std::min(bits - kCellBits, kDeepestLevel); }
-  /// Where a node of this level keeps a point: the number of its cell within the node.
+  /// The number of the cell within a node of this level that holds a point.
   uint32_t cell(const OctreePoint& p, uint32_t level) const {
     const uint32_t shift = bits - level - kCellBits;
     const auto part = [&](size_t c) { return uint32_t(p.at[c] >> shift) & (kNodeCells - 1); };

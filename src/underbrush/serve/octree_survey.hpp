@@ -1,5 +1,5 @@
 /// \file
-/// The first pass over a log whose octree is built: what is in it and where its points are.
+/// The first pass over a log whose octree is built: its contents and the places of its points.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -36,7 +36,7 @@ class CellCounts {
   std::vector<Cell> table_;
 };
 
-/// What the first pass finds.
+/// The result of the first pass.
 struct OctreeSurvey {
   Vec3 origin = Vec3::Zero();  ///< m, world; a whole number of metres near the first beam.
   size_t rows = 0, beams = 0, points = 0;

@@ -11,8 +11,8 @@
 
 namespace underbrush::serve {
 
-/// A node: where its points are in the file, and its children as indices into the list of nodes, 0
-/// where there is none (the root is nobody's child).
+/// A node: the place of its points in the file, and its children as indices into the list of nodes,
+/// 0 where there is none (the root is no node's child).
 struct TreeNode {
   uint64_t at = 0;
   uint32_t points = 0;

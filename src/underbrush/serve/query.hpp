@@ -12,7 +12,7 @@
 namespace underbrush::serve {
 
 /// Reads the parameters of a request. All functions throw `std::invalid_argument` for a parameter
-/// that is not what they say.
+/// that is not as they describe.
 class Query {
  public:
   explicit Query(const HttpRequest& request) : request_(request) {}

@@ -11,8 +11,8 @@
 
 namespace underbrush::serve {
 
-/// Which pixel of a range image each beam has. Rings are rows, the highest above. Where they all
-/// have about as many beams, columns are beams in order of time; else columns are equal steps of
+/// The pixel of each beam in a range image. Rings are rows, the highest above. Where they all have
+/// about as many beams, columns are beams in order of time; else columns are equal steps of
 /// azimuth. A scan of fewer than four rings is an image of azimuth and elevation. The azimuth falls
 /// to the right, as one sees it from the sensor.
 struct ImageLayout {
@@ -23,7 +23,7 @@ struct ImageLayout {
 ImageLayout image_layout(const BeamLog& beams);
 
 /// Returns the ranges that `underbrush simulate WORLD --like LOG` gives the beams with this seed
-/// and otherwise default options. `keyframes` is what `LogData::keyframes_serve` says of the world.
+/// and otherwise default options. `keyframes` is that of `LogData::keyframes_serve` for the world.
 std::vector<float> simulated_ranges(const LoggedBeams& beams, const WorldData& world, uint64_t seed,
                                     bool keyframes);
 /// Returns the ranges of the same beams in another log. Throws `DataError` where it does not have

@@ -11,13 +11,13 @@ namespace underbrush::serve {
 /// A place on a picture, px.
 using Vec2 = Eigen::Vector2d;
 
-/// What was drawn: a polygon, or the path of a brush.
+/// A drawn shape: a polygon, or the path of a brush.
 struct DrawnShape {
   /// Clip coordinates of a point, as WebGL has them; the fourth is the depth along the view, m.
   Eigen::Matrix4d clip_from_point = Eigen::Matrix4d::Identity();
   double width_px = 1, height_px = 1;  ///< Size of the picture.
   std::vector<Vec2> path_px;           ///< From the upper left corner.
-  double radius_px = 0;                ///< The brush's; 0 for a polygon (even-odd rule).
+  double radius_px = 0;                ///< Radius of the brush; 0 for a polygon (even-odd rule).
 };
 
 /// A point on the picture.
@@ -25,21 +25,21 @@ struct ScreenPoint {
   double x = 0, y = 0, depth_m = 0;
 };
 
-/// A drawn shape, prepared for many questions.
+/// A drawn shape, prepared for many queries.
 class ScreenShape {
  public:
   /// Throws `std::invalid_argument` for a shape that is not finite, has no size, has more than 4096
   /// corners, or a polygon with fewer than three.
   explicit ScreenShape(const DrawnShape& shape);
 
-  /// Where a point lies on the picture; a depth of 0 or less is behind the camera.
+  /// The place of a point on the picture; a depth of 0 or less is behind the camera.
   ScreenPoint project(const Vec3& point) const;
   /// Whether a place of the picture is in the shape.
   bool contains(double x, double y) const;
   /// Whether a point that `project` found is in the shape, in front of the camera.
   bool contains(const ScreenPoint& p) const { return p.depth_m > 0 && contains(p.x, p.y); }
 
-  /// How a cube lies to the shape.
+  /// The overlap of a cube with the shape.
   enum class Overlap { kNone, kSome, kWhole };
   /// Returns `kNone` and `kWhole` only where they are certain, for a cube with this lowest corner.
   Overlap overlap(const Vec3& low, double side) const;

@@ -1,6 +1,6 @@
 /// \file
-/// Which points of a log a person means: found among all points of the octree, not only among those
-/// that are drawn.
+/// The selection of points of a log by a person, among all points of the octree and not only among
+/// those that are drawn.
 #pragma once
 #include <array>
 #include <optional>
@@ -25,7 +25,7 @@ struct Slab {
   double from = 0, to = 0;
 };
 
-/// Conditions that all hold for the points that are meant. Without any, all points are.
+/// Conditions that all hold for the points of a selection. Without any, these are all points.
 struct Selection {
   std::optional<DrawnShape> drawn;
   /// With `drawn`: only points at most this far behind the nearest point of their surroundings on
@@ -38,7 +38,7 @@ struct Selection {
   std::optional<uint32_t> scan;
   std::array<bool, kMostClasses> hidden{}, locked{};
   std::optional<uint32_t> label, instance;
-  bool selected = false;  ///< Only rows that are selected.
+  bool selected = false;  ///< Whether only selected rows count.
 
   /// Whether a row with this label may be changed.
   bool admits(LabelValue value) const;
@@ -60,7 +60,7 @@ class RowSet {
   std::vector<uint64_t> words_;
 };
 
-/// The points that lie where a selection says.
+/// The points at which a selection's conditions of place, time and scan hold.
 struct FoundRows {
   RowSet rows;
   std::vector<uint32_t> nodes;  ///< Nodes that hold some of them.
@@ -81,7 +81,7 @@ struct NodeCubes {
 FoundRows find_rows(const OctreeFile& file, const NodeCubes& cubes, const Selection& selection,
                     const std::vector<uint32_t>& values);
 
-/// What happens to rows.
+/// A change of the labels of rows.
 struct LabelAction {
   std::optional<uint32_t> label, instance;
   std::optional<bool> selected;

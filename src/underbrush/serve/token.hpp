@@ -20,7 +20,7 @@ inline std::string random_token() {
   return out;
 }
 
-/// Compares in a time that does not tell how much of the token was right.
+/// Compares tokens in a time that does not depend on the number of equal characters.
 inline bool same_token(std::string_view a, std::string_view b) {
   if (a.size() != b.size()) return false;
   unsigned different = 0;

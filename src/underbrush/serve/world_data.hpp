@@ -24,12 +24,12 @@ class WorldData {
   const elements::Scene& scene() const { return scene_; }
   const elements::SceneInfo& info() const { return info_; }
   const Vec3& origin() const { return origin_; }
-  /// This world prepared for `simulate` with default options, when it is first asked for. Its
+  /// This world prepared for `simulate` with default options, when it is first needed. Its
   /// instances are numbered as those of `scene()`.
   const pipeline::TracedWorld& traced() const;
 
-  /// Describes models and instances as JSON: places are relative to `origin_m`, and what moves is
-  /// where it begins. Primitives have `box_m`, in their own frame.
+  /// Describes models and instances as JSON: places are relative to `origin_m`, and moving
+  /// instances are at their first poses. Primitives have `box_m`, in their own frame.
   std::string json() const;
   /// Returns the thumbnail (PNG) of a primitive. Throws `std::invalid_argument` for another world
   /// or a primitive that does not exist, and `FormatError` where it has none.
@@ -46,7 +46,7 @@ class WorldData {
  private:
   void place_primitives(const OpenedFile& file);
   std::vector<Pose> first_poses()
-      const;  ///< The poses of instances; what moves is where it begins.
+      const;  ///< The poses of instances; moving ones have their first pose.
   const elements::Model& model(size_t number) const;
 
   FileKind kind_;

@@ -9,7 +9,7 @@
 
 namespace underbrush::simulate {
 
-/// Gives `t` (m), or the element's own range where `t` lies outside `limits`.
+/// Returns `t` (m), or the element's own range where `t` lies outside `limits`.
 inline double within(double t, const trace::Intersection& met, const trace::RangeLimits& limits) {
   return t >= limits.min_m && t <= limits.max_m ? t : met.t_m;
 }

@@ -44,12 +44,12 @@ class DynamicWorld {
   void move(const elements::Mover& mover);
 
   const trace::World& world() const { return *world_; }
-  /// Whether what stands still is one model in its own place.
+  /// Whether the static world is one model in its own place.
   bool stands_as_one_model() const;
   bool moves() const { return !movers_.empty(); }
   bool moves(uint32_t instance) const { return object(instance) != nullptr; }
   const elements::Model& model(uint32_t instance) const;
-  /// The reflectance of what is met in unknown space: near the ground (`is_low`) the mean of the
+  /// The reflectance of the matter in unknown space: near the ground (`is_low`) the mean of the
   /// model's ground, else that of its ellipsoids.
   const elements::MeanReflectance& unknown_reflectance(bool is_low) const {
     return unknown_reflectance_[size_t(is_low)];
@@ -71,19 +71,19 @@ class DynamicWorld {
 };
 
 /// The matter that rays meet in a world: its model, and the cells of its grain. The grain of a
-/// moving object moves with it. What is known of an instance is kept until another one is asked
+/// moving object moves with it. The data of an instance are kept until another one is asked
 /// for.
 class MatterAt {
  public:
   /// `world` must outlive it.
   explicit MatterAt(const DynamicWorld& world) : world_(world) {}
 
-  /// The model of what a ray met.
+  /// The model of the element that a ray met.
   const elements::Model& model(const trace::Intersection& met, double time_s) {
     if (met.instance != instance_ || (moves_ && time_s != time_s_)) find(met.instance, time_s);
     return *model_;
   }
-  /// Computes `trace::instance_key` of what a ray met, from the key of the world's matter.
+  /// Computes `trace::instance_key` of the element that a ray met, from the world's matter key.
   uint64_t key(uint64_t matter, const trace::Intersection& met, double time_s) {
     model(met, time_s);
     return matter ^ salt_;

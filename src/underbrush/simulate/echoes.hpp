@@ -1,6 +1,6 @@
 /// \file
-/// This file simulates beams as an instrument sees them: sub-rays over the beam, the light that
-/// they bring back, the waveform, and its echoes.
+/// This file simulates the beams of an instrument: sub-rays over the beam, the light that they
+/// bring back, the waveform, and its echoes.
 #pragma once
 #include <array>
 #include <atomic>
@@ -31,10 +31,10 @@ struct Instrument {
   /// is a thin ray.
   std::vector<sensor::SubRay> sub_rays{{}};
   radiometry::ReceiverOptions receiver;
-  /// The beam of the log that the models were fitted to, if its footprint is in them. A fit takes
-  /// what such a beam measured for what a thin ray meets, so that all silhouettes are wider by half
-  /// of this beam. An instrument undoes that: it returns nothing where less than half of the area
-  /// of the fitted beam returns.
+  /// The beam of the log that the models were fitted to, if its footprint is in them. A fit treats
+  /// the ranges of such a beam as those of a thin ray, so that all silhouettes are wider by half of
+  /// this beam. An instrument undoes that: it returns nothing where less than half of the area of
+  /// the fitted beam returns.
   std::optional<sensor::BeamShape> fitted_beam{};
 };
 
@@ -71,7 +71,7 @@ struct EchoOptions {
   /// have learnt (`LearntLight`), in the unit of their log, and not that of the receiver.
   std::optional<IntensityDraw> learnt_light{};
   /// Whether to trace all sub-rays of every beam, where the matter is drawn once and a few could
-  /// speak for all (`SubRayTracer`).
+  /// stand for all (`SubRayTracer`).
   bool all_sub_rays = false;
 };
 
@@ -92,11 +92,11 @@ class EchoMaker {
             const EchoOptions& options);
   ~EchoMaker();
 
-  /// Replaces `beams` (one row a beam) by their echoes (one or more rows a beam). `first_beam` is
-  /// the number of the first beam. Extra columns of the beams are kept. Range limits are those of
-  /// `beams.info`, because the receiver says how far the instrument sees, not the log that a model
-  /// was fitted to. `cached` is empty or has one entry a beam: where it is set, it is the answer to
-  /// that beam (`keyframe_answers`), of which there is no waveform.
+  /// Replaces `beams` (one row per beam) by their echoes (one or more rows per beam). `first_beam`
+  /// is the number of the first beam. Extra columns of the beams are kept. Range limits are those
+  /// of `beams.info`, because the range of the instrument is limited by the receiver, not by the
+  /// log that a model was fitted to. `cached` is empty or has one entry per beam: where it is set,
+  /// it is the answer to that beam (`keyframe_answers`), of which there is no waveform.
   void answer(size_t first_beam, BeamLog& beams,
               std::span<const std::optional<keyframes::CachedReturn>> cached = {});
 

@@ -1,5 +1,5 @@
 /// \file
-/// This file finds the class that a simulated log reports for what a beam met.
+/// This file finds the class that a simulated log reports for the element that a beam met.
 #pragma once
 #include <cstdint>
 #include <vector>

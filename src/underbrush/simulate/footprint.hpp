@@ -16,9 +16,9 @@ namespace underbrush::simulate {
 struct FootprintOptions {
   uint64_t seed = 1;
   sensor::BeamShape shape = sensor::round_beam(0.003, 0.01);  ///< 3 mrad wide, 10 mm at the exit.
-  int sub_rays = 9;        ///< Rays a beam: those of `sensor::spread_sub_rays`, rotated at random.
-  double pulse_m = 0.3;    ///< Hits nearer together than this along the beam are one echo.
-  double threshold = 0.2;  ///< Least share of the footprint in a reported echo.
+  int sub_rays = 9;             ///< Rays per beam, by `sensor::spread_sub_rays`, rotated at random.
+  double pulse_m = 0.3;         ///< Hits nearer together than this along the beam are one echo.
+  double threshold = 0.2;       ///< Least share of the footprint in a reported echo.
   double range_sigma_m = 0.02;  ///< Noise of the range.
   /// Whether to add the extra column `element`, which is that of the echo's first hit.
   bool element_ids = false;

@@ -1,5 +1,5 @@
 /// \file
-/// The intensities that a model with learnt light answers.
+/// The intensities of returns from a model with learnt light.
 #pragma once
 #include <string>
 
@@ -8,29 +8,29 @@
 
 namespace underbrush::simulate {
 
-/// How a return's intensity follows from what is known of its element.
+/// The rule by which a return's intensity follows from its element.
 enum class IntensityDraw {
   kMean,   ///< The expected intensity: the least squared error.
   kDrawn,  ///< Drawn with the spread within the element: the distribution of the log.
 };
 
-/// The light that beams find in a world. What is known of a model is kept until another one is
+/// The intensities of the returns from a world. The data of a model are kept until another one is
 /// asked for.
 class LearntLight {
  public:
-  /// `world` must outlive it; `beams` says which sensor asks.
+  /// `world` must outlive it; `beams` names the sensor.
   LearntLight(const DynamicWorld& world, const LogInfo& beams, IntensityDraw draw)
       : world_(world), sensor_(beams.sensor), sensor_file_(beams.sensor_file), draw_(draw) {}
 
-  /// Computes the intensity of a return that beam i of `beams` has at a range (m) of what its ray
-  /// met, in the unit of the log that `model` was fitted to: I = k x with the response k
-  /// (`elements::Light`) and x either ρ or log-normal with the mean ρ and the element's spread, but
-  /// at most the log's largest intensity. Gains of channels count where the sensor is that of the
-  /// log. A model without light answers 0. `key` is the beam's.
+  /// Computes the intensity of a return that beam i of `beams` has at a range (m) from the element
+  /// that its ray met, in the unit of the log that `model` was fitted to: I = k x with the response
+  /// k (`elements::Light`) and x either ρ or log-normal with the mean ρ and the element's spread,
+  /// but at most the log's largest intensity. Gains of channels count where the sensor is that of
+  /// the log. A model without light answers 0. `key` is the beam's.
   float intensity(const elements::Model& model, const Ray& ray, const trace::Intersection& met,
                   double range_m, const BeamLog& beams, size_t i, uint64_t key);
-  /// The same of the return that a beam has of what it meets in unknown space: ground where it is
-  /// near the ground, else ellipsoids, with their mean reflectances.
+  /// Computes the intensity of a return from unknown space: from ground where the return is near
+  /// the ground, else ellipsoids, with their mean reflectances.
   float of_unknown(const Ray& ray, double range_m, const BeamLog& beams, size_t i, uint64_t key);
 
  private:

@@ -1,5 +1,5 @@
 /// \file
-/// Answers without a draw: the median of what a beam may measure.
+/// Answers without a draw: the median of the ranges that a beam may measure.
 #pragma once
 #include <optional>
 #include <span>
@@ -15,7 +15,7 @@ struct BeamAnswer {
   double range_m = 0;         ///< m; of an element.
   trace::Intersection met{};  ///< The element; none for a miss and where a pixel answers.
   std::optional<keyframes::CachedReturn> cached{};
-  std::optional<Vec3f> direction{};  ///< Where a drawn point lies off the beam.
+  std::optional<Vec3f> direction{};  ///< Set where a drawn point lies off the beam.
 };
 
 /// Answers each ray with the median of its returns under the mixture of the elements that it meets

@@ -15,7 +15,7 @@ namespace underbrush::simulate {
 ///
 /// A sub-ray o + r·d of the beam's frame ends on the plane n·x = 1 at r = (1 − n·o) / (n·d). The
 /// plane is that of least squares of n·(d + o/r) − 1/r over the probes that returned. Each other
-/// sub-ray has the range of the plane and what the nearest probe is off from it.
+/// sub-ray has the range of the plane plus the offset of the nearest probe.
 class ProbePlane {
  public:
   static constexpr size_t kMostProbes = 32;

@@ -22,7 +22,7 @@ struct InstanceKinds {
   /// a class is that of `Materials::of_class`, else the material of its name, else that of the
   /// class `unknown`.
   std::vector<std::string> class_names;
-  /// Materials that the scene brings along, for whoever makes the table of materials.
+  /// Materials that the scene brings along, for the maker of the table of materials.
   std::vector<radiometry::Material> own_materials;
 };
 
@@ -37,8 +37,8 @@ radiometry::Materials with_own_materials(radiometry::Materials table, const Inst
 ///
 /// The material of an element is that of its instance if one is named, else that of its class.
 /// Ground triangles have the class `ground`. Other elements have the class of their instance; where
-/// that says nothing (`unknown`, `ground`), an ellipsoid has the class of its own label and a
-/// surface triangle `unknown`.
+/// that is `unknown` or `ground`, an ellipsoid has the class of its own label and a surface
+/// triangle `unknown`.
 class Reflection {
   struct Material;
 
@@ -55,11 +55,11 @@ class Reflection {
     /// Starts a beam by its axis (unit vector, world) and time (s). It must be called before
     /// `factors`.
     void begin(const Vec3& axis, double time_s);
-    /// Computes the factors of what some of a beam's `rays` met. `met` has the meetings of the rays
-    /// with the numbers `sub_ray`. A triangle has ρ · `backscatter` at the angle to its normal,
-    /// whichever side is lit. An ellipsoid has ρ · `LeafAngleDistribution::backscatter` at the
-    /// angle between the beam's axis and the instance's own vertical, because leaves tilt with what
-    /// they grow on. What is met in unknown space reflects as ellipsoids without a class do.
+    /// Computes the factors of the elements that some `rays` of a beam met. `met` has the meetings
+    /// of the rays with the numbers `sub_ray`. A triangle has ρ · `backscatter` at the angle to its
+    /// normal, whichever side is lit. An ellipsoid has ρ · `LeafAngleDistribution::backscatter` at
+    /// the angle between the beam's axis and the instance's own vertical, because leaves tilt with
+    /// their plant. Matter in unknown space reflects as ellipsoids without a class do.
     void factors(std::span<const trace::Intersection> met, std::span<const Ray> rays,
                  std::span<const uint32_t> sub_ray, std::span<float> factor);
 

@@ -18,7 +18,7 @@ namespace underbrush {
 /// Simulation: it answers beams from a world.
 namespace simulate {
 
-/// The way in which a beam's range follows from what it meets.
+/// The way in which a beam's range follows from the elements that it meets.
 enum class RangeDraw {
   kOnRay,       ///< t ~ N(t_i, σ_i²), the Gaussian along the ray, [deschaud12] eq. 2–3.
   kVolumetric,  ///< A point from N(μ, Σ), which may lie off the beam, [tallavajhula18] §IV.
@@ -37,8 +37,8 @@ struct Options {
   /// all others.
   double sway_s = 0;
   bool element_ids = false;  ///< Whether to add the extra columns `element` and `element_class`.
-  /// Whether keyframes may answer. Sensors are told apart by their names alone; of logs without a
-  /// name the caller finds out whether they are of the same sensor (`KeyframeCache::serves`).
+  /// Whether keyframes may answer. Sensors are distinguished by their names alone; of logs without
+  /// one, the caller finds out whether the sensor is the same (`KeyframeCache::serves`).
   bool keyframes = true;
   /// The class of each instance of a scene. With `element_ids`, `element_class` is taken from here
   /// instead of from the element, and there is a column `instance`, which is 0 for the ground and
@@ -65,7 +65,7 @@ struct Options {
 void simulate(const DynamicWorld& world, const Options& options, size_t first_beam, BeamLog& beams);
 
 /// Whether the keyframes of the world's model answer such beams near them: thin rays of the sensor
-/// of its log, without `element_ids`, in a world of one model and of what moves in it.
+/// of its log, without `element_ids`, in a world of one model and of its movers.
 bool keyframes_serve(const DynamicWorld& world, const Options& options, const LogInfo& beams);
 
 using CachedReturns = std::vector<std::optional<keyframes::CachedReturn>>;
@@ -81,7 +81,7 @@ CachedReturns keyframe_answers(const DynamicWorld& world, const Options& options
 class SimulatedSource : public BeamSource {
  public:
   /// A function that answers beams in place. `first_beam` is the number of the first beam; the
-  /// answer may have several rows a beam.
+  /// answer may have several rows per beam.
   using Answer = std::function<void(size_t first_beam, BeamLog& beams)>;
 
   /// If positive, `max_range_m` replaces the maximum range of the beams.

@@ -10,7 +10,7 @@
 namespace underbrush::simulate {
 
 /// The sub-rays of a beam shape in the axes of the beam, prepared for rotation to rays of the
-/// world. They equal those of `sensor::RayMaker` up to rounding, at a few operations a ray.
+/// world. They equal those of `sensor::RayMaker` up to rounding, at a few operations per ray.
 class SubRayBundle {
  public:
   /// Prepares at least one sub-ray. Throws `std::invalid_argument` for none and for an invalid

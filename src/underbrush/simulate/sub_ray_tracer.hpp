@@ -20,9 +20,9 @@ class TracedBeams {
   /// `world` must outlive it.
   explicit TracedBeams(const DynamicWorld& world) : matter_(world) {}
 
-  /// The sub-rays of one beam: at which range each met something (m, NaN for nothing), its share of
-  /// the energy, and the traced one that it stands for, whose ray and intersection it has. `traced`
-  /// is empty where all are traced.
+  /// The sub-rays of one beam: the range at which each met something (m, NaN for nothing), its
+  /// share of the energy, and the traced one that it stands for, whose ray and intersection it has.
+  /// `traced` is empty where all are traced.
   struct Beam {
     std::span<const Ray> rays;
     std::span<const trace::Intersection> met;
@@ -46,7 +46,7 @@ class TracedBeams {
     std::vector<trace::Intersection> met;
     std::vector<float> range_m;
   };
-  /// Where the sub-rays of a beam are: its probes alone, a place in `plane_m_`, or one in `all_`.
+  /// The place of a beam's sub-rays: its probes alone, a place in `plane_m_`, or one in `all_`.
   struct Place {
     enum class Kind { kProbes, kPlane, kAll } kind = Kind::kProbes;
     uint32_t number = 0;

@@ -1,5 +1,5 @@
 /// \file
-/// This file collects what comes back of a beam's sub-rays.
+/// This file collects the returns of a beam's sub-rays.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -23,7 +23,7 @@ class SubReturns {
   /// Makes room for `most` sub-rays.
   explicit SubReturns(size_t most);
 
-  /// Takes the sub-rays that met something. `range_m` and `weight` have one entry a sub-ray, and
+  /// Takes the sub-rays that met something. `range_m` and `weight` have one entry per sub-ray, and
   /// `traced` has the traced sub-ray that each stands for; without it, all are traced.
   void collect(std::span<const float> range_m, std::span<const float> weight,
                std::span<const uint32_t> traced = {});

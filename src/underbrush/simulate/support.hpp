@@ -1,5 +1,5 @@
 /// \file
-/// How far the answers to beams rest on space that a log observed.
+/// The support of the answers to beams: the share that rests on space that a log observed.
 #pragma once
 #include <vector>
 

@@ -1,5 +1,5 @@
 /// \file
-/// Points on the move: the state of a simulation of the point process.
+/// The state of a simulation of the point process, in which points move.
 #pragma once
 #include <span>
 #include <vector>
@@ -31,7 +31,7 @@ class Arrangement {
 
   const Window& window_;
   std::vector<MarkedPoint> points_;
-  PairSteps pairs_, change_;  // Of the move that is tried.
+  PairSteps pairs_, change_;  // `change_` is that of the move that is tried.
   int columns_ = 1, rows_ = 1;
   std::vector<std::vector<uint32_t>> buckets_;
 };

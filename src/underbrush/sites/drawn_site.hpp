@@ -29,7 +29,7 @@ inline Classes classes_of(const primitives::PrimitiveSet& set) {
   return out;
 }
 
-/// The objects of a drawn site, and counts of what was not drawn as the site asks for.
+/// The objects of a drawn site, and counts of those that were replaced or left out.
 struct DrawnSite {
   std::vector<primitives::PlacedObject> objects;
   /// Objects that have another size of the same kind, because their class is not allowed, by that

@@ -19,7 +19,7 @@ struct GenerateOptions {
   std::string kind = "forest";  ///< One of `site_kinds()`.
   double density = 0;           ///< Number per m² of the kind's main plants; 0 = the kind's own.
   uint64_t seed = 1;
-  double margin_m = 0;      ///< m; nothing stands nearer than this to the border of the ground.
+  double margin_m = 0;      ///< m; no object stands nearer than this to the border of the ground.
   double patch_cell_m = 2;  ///< m; side of the cells of patches.
   Classes classes;          ///< The size of an object of another class is drawn again.
 };
@@ -44,10 +44,10 @@ class SiteGenerator {
   ~SiteGenerator();
 
   /// Generates the objects that stand in `part` of the site (m, world), on its ground. They keep
-  /// apart from those of the parts before. Parts with different numbers draw differently.
+  /// apart from the objects of the parts before. Parts with different numbers draw differently.
   DrawnSite objects(const primitives::GroundSurface& ground, const Eigen::AlignedBox2d& part,
                     uint64_t number);
-  /// Forgets what stands below a line (m, world), which parts from now on do not come near.
+  /// Forgets the objects below a line (m, world), which later parts do not come near.
   void forget_below(double y_m);
 
  private:

@@ -13,10 +13,10 @@
 
 namespace underbrush::sites {
 
-/// What is learnt of a site.
+/// The model of a site, fitted to its objects.
 struct SiteModel {
   Window window;              ///< The part of the site that its objects cover.
-  std::vector<Piece> pieces;  ///< What stands in the window.
+  std::vector<Piece> pieces;  ///< The plants and pieces of patches in the window.
   PointProcess process;
   double cell_m = 2;  ///< m; side of the cells of patches.
 };
@@ -30,7 +30,7 @@ SiteModel fit_site(const primitives::GroundSurface& ground,
 /// Options of `draw_site`.
 struct DrawOptions {
   uint64_t seed = 1;
-  double margin_m = 0;  ///< m; nothing stands nearer than this to the border of the ground.
+  double margin_m = 0;  ///< m; no object stands nearer than this to the border of the ground.
   Classes classes;      ///< An object of another class is replaced by one of the site of its kind.
 };
 

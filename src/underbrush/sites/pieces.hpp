@@ -1,5 +1,5 @@
 /// \file
-/// What stands at one place of a site: a plant, or a piece of a patch of shrubs.
+/// The pieces of a site, each at one place: a plant, or a piece of a patch of shrubs.
 #pragma once
 #include <span>
 #include <vector>

@@ -1,5 +1,5 @@
 /// \file
-/// The point process of a site: where its plants stand, given how large they are.
+/// The point process of a site: the places of its plants, given their sizes.
 #pragma once
 #include <span>
 #include <vector>

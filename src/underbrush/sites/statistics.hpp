@@ -1,5 +1,5 @@
 /// \file
-/// Statistics of a site: how dense its plants are, how far apart and how large.
+/// Statistics of a site: the density, the distances and the sizes of its plants.
 #pragma once
 #include <span>
 #include <string>

@@ -9,7 +9,7 @@
 #include "underbrush/primitives/placed_object.hpp"
 
 namespace underbrush {
-/// Sites that are generated: where objects stand, how large they are, and the ground below them.
+/// Sites that are generated: the places and sizes of objects, and the ground below them.
 namespace sites {
 
 /// A part of the plane, as square cells of about a metre, at most 4096 along a side.
@@ -19,7 +19,7 @@ class Window {
   /// bounding box. There may be none. Throws `std::invalid_argument` for a negative margin.
   explicit Window(const primitives::GroundSurface& ground, double margin_m = 0);
 
-  /// Keeps only the area that the objects cover, without the ground beyond them that nobody
+  /// Keeps only the area that the objects cover, without the ground beyond them that is not
   /// annotated: the cells within 10 m of an object, or within 1.5 times the 95 % quantile of the
   /// distances of objects to their nearest neighbours if that is more. Where this area ends on the
   /// ground, it is made narrower by that distance less half of the mean one. `at` are the places of

@@ -48,7 +48,7 @@ class SampleGrid {
   struct Level {
     float radius_m = 0;
     CellBox box;                         ///< Cells as wide as the radius.
-    std::vector<uint32_t> start;         ///< Where each cell's samples begin.
+    std::vector<uint32_t> start;         ///< Begin of each cell's samples.
     std::vector<OrientedPoint> samples;  ///< Sorted by cell.
   };
   const std::vector<Level>& levels() const { return levels_; }

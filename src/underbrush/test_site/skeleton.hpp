@@ -1,6 +1,6 @@
 /// \file
 /// Skeletons of plants: the axes of branches that grow into free space, and the thickness that
-/// follows from what they carry.
+/// follows from the tips that they carry.
 #pragma once
 #include <cstdint>
 #include <vector>

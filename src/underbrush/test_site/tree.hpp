@@ -19,8 +19,8 @@ struct TreeParameters {
   double crown_radius_m = 2.2;
   double crown_base_m = 2;       ///< m; height of the lowest branches.
   double trunk_radius_m = 0.13;  ///< m; at the foot, above the flare of the roots.
-  double twig_spacing_m = 0.3;   ///< m; distance between neighbouring twigs, which says how finely
-                                 ///< the tree branches.
+  double twig_spacing_m = 0.3;   ///< m; distance between neighbouring twigs, which determines the
+                                 ///< fineness of the tree.
   Foliage foliage;
 };
 

@@ -49,7 +49,7 @@ struct alignas(32) EllipsoidBlock {
     uint32_t accept_below[kWidth];  ///< A hit iff hash < this, or if it is kAlways.
     float depth[kWidth];            ///< For kPathLength: κ √(2π) / τ.
   };
-  uint32_t element[kWidth];  ///< With the place in the grain above `kGrainShift`.
+  uint32_t element[kWidth];  ///< Element numbers, with the place in the grain above `kGrainShift`.
 };
 
 /// Eight pairs of triangles in columns. The triangles of a pair share an edge: the first one has

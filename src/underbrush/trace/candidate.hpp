@@ -11,7 +11,7 @@ struct Candidate {
   uint32_t ray, instance, element;
 };
 
-/// What single precision says of a candidate, m.
+/// The bounds on a candidate's intersection from single precision, m.
 struct ApproachBound {
   float least_t_m;  ///< Not beyond the closest approach; −∞ where nothing is known.
   float reach_m;    ///< τσ of an ellipsoid, which is at least half its chord; 0 of a triangle.

@@ -22,7 +22,7 @@ struct StepCells {
 void cells_of_steps(const Vec3& start, const Vec3& direction, double from_m, double step_m,
                     double cell_m, StepCells& cells);
 
-/// Which of the steps, as bits, have a draw of at most `most` in their cells. The draw of a cell is
+/// The steps, as bits, that have a draw of at most `most` in their cells. The draw of a cell is
 /// uniform, of the cell's hash and `key`.
 uint32_t drawn_at_most(double most, uint64_t key, const StepCells& cells);
 /// The uniform draw of a cell's hash for `key`. Different numbers `what` give different draws.
@@ -49,7 +49,7 @@ class CrossedCells {
     Block block;
     return holds(cell, block);
   }
-  /// The same, where `block` is that of the call before.
+  /// Whether a beam crossed a cell, where `block` is that of the call before.
   bool holds(const Cell3& cell, Block& block) const {
     const Cell3 at = elements::ObservedBlock::of(cell);
     if (!(at == block.at)) block = {at, find(at)};

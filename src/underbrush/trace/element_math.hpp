@@ -1,6 +1,6 @@
 /// \file
-/// This file defines the ray model in double precision: which elements a ray meets, and where.
-/// Every faster path must give exactly the same answers.
+/// This file defines the ray model in double precision: the meetings of a ray and elements. Every
+/// faster path must give exactly the same answers.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -11,7 +11,7 @@
 #include "underbrush/elements/scene.hpp"
 
 namespace underbrush {
-/// Ray tracing: it finds which elements a beam meets and which one stops it.
+/// Ray tracing: it finds the elements that a beam meets and the one that stops it.
 namespace trace {
 
 /// The meeting of a ray and an element.
@@ -73,8 +73,8 @@ constexpr uint64_t instance_key(uint64_t key, uint32_t instance) {
   return key ^ mix64(uint64_t(instance) * 0x9e3779b97f4a7c15ull);
 }
 
-/// Computes the key of a beam within an object that moves, whose tracer knows it as instance 0. The
-/// upper half is left alone where matter sways, because it is the time.
+/// Computes the key of a beam within an object that moves, which is instance 0 of its own tracer.
+/// The upper half is left alone where matter sways, because it is the time.
 constexpr uint64_t object_key(uint64_t key, uint32_t instance, bool sways) {
   const uint64_t salt = instance_key(0, instance);
   return key ^ (sways ? uint64_t(uint32_t(salt)) : salt);
@@ -96,8 +96,8 @@ constexpr uint32_t swaying_cell(uint32_t cell, uint32_t element, uint32_t ticks)
   return cell + kTimeFactor * ((ticks + phase) >> 16);
 }
 
-/// Whether a beam of this key ends at what it met. `cell` is that of `grain_cell`, or 0 where every
-/// beam draws anew.
+/// Whether a beam of this key ends at the element that it met. `cell` is that of `grain_cell`, or 0
+/// where every beam draws anew.
 inline bool accepts(uint64_t key, const Intersection& met, uint32_t cell = 0) {
   return accept_threshold(met.p).accepts(
       accept_bits(instance_key(key, met.instance) ^ cell, met.element));
@@ -105,14 +105,14 @@ inline bool accepts(uint64_t key, const Intersection& met, uint32_t cell = 0) {
 
 /// Factors by which the numbers of a cell along x, y and z are mixed to 32 bits.
 inline constexpr uint32_t kCellFactor[3] = {0x9e3779b1u, 0x85ebca77u, 0xc2b2ae3du};
-/// Where the cells begin, in cells, so that a plane through the origin is not a border of cells.
+/// Offset of the cells, in cells, so that a plane through the origin is not a border of cells.
 inline constexpr double kCellOffset[3] = {0.3719, 0.6127, 0.4301};
 
 /// Computes the cell of a voxel model that holds a point (model frame, m).
 std::array<int64_t, 3> voxel_of(const Vec3& point, double voxel_m);
 
-/// Computes where a ray (model frame) meets an element of the model within `limits`. The result is
-/// none() if it does not. This function is the definition of the ray model.
+/// Computes the meeting of a ray (model frame) and an element of the model within `limits`. The
+/// result is none() if there is none. This function is the definition of the ray model.
 Intersection intersect(const elements::Model& model, uint32_t element, const Vec3& origin,
                        const Vec3& direction, const RangeLimits& limits);
 
@@ -163,8 +163,8 @@ class Grain {
   bool translation_ = true;
 };
 
-/// Computes where a ray (world frame) meets an element of an instance of `model` within `limits`.
-/// Ranges and σ are in the world's metres. The hit probability is that of the unscaled model.
+/// Computes the meeting of a ray (world frame) and an element of an instance of `model` within
+/// `limits`. Ranges and σ are in the world's metres. The hit probability is the unscaled model's.
 Intersection intersect(const elements::Model& model, const elements::Instance& placed,
                        uint32_t instance, uint32_t element, const Ray& ray,
                        const RangeLimits& limits);

@@ -1,5 +1,5 @@
 /// \file
-/// This file has a tree of boxes with eight children a node, over anything that has a box.
+/// This file has a tree of boxes with eight children per node, over anything that has a box.
 #pragma once
 #include <cstdint>
 #include <cstring>
@@ -75,8 +75,8 @@ struct Leaf {
   uint32_t begin, count;
 };
 
-/// A tree. Its leaf children are kLeaf | index into `leaves`; whoever stores the leaves rewrites
-/// these references.
+/// A tree. Its leaf children are kLeaf | index into `leaves`; the code that stores the leaves
+/// rewrites these references.
 struct Hierarchy {
   HugeVector<Node> nodes;
   std::vector<Leaf> leaves;
@@ -84,7 +84,7 @@ struct Hierarchy {
   Box box;
 };
 
-/// Builds a tree by binned surface-area splits, directly with eight children a node. A leaf holds
+/// Builds a tree by binned surface-area splits, directly with eight children per node. A leaf holds
 /// up to `leaf_size` references of one kind. `refs` is reordered. The tree does not depend on the
 /// number of threads.
 Hierarchy build_hierarchy(HugeVector<Ref>& refs, uint32_t leaf_size);

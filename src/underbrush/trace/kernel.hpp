@@ -7,9 +7,9 @@
 /// packet's rays; only boxes that pass are tested against single rays. Blocks of eight ellipsoids
 /// or triangles are tested in the same way.
 ///
-/// The loops compute in floats with bounds on their rounding. Whatever these bounds do not decide
-/// goes to `resolve_nearest`, in double precision, so that every instruction set gives the answer
-/// of `intersect`.
+/// The loops compute in floats with bounds on their rounding. Cases that these bounds leave
+/// undecided go to `resolve_nearest`, in double precision, so that every instruction set gives the
+/// answer of `intersect`.
 #pragma once
 #include <array>
 #include <vector>
@@ -22,11 +22,11 @@
 namespace underbrush::trace {
 
 /// The cells of a grain, 1/m; 0 where trials are drawn anew. A grain has as many kinds of cells of
-/// ellipsoids as an element number has bits to tell them (`kGrainShift`).
+/// ellipsoids as the bits of an element number distinguish (`kGrainShift`).
 struct CellsPerM {
   double triangles;
   double ellipsoids[elements::Grain::kMostClasses + 1];  // by `elements::Grain::place_of`
-  int kinds;                                             // how many of them are in use
+  int kinds;                                             // the number of them in use
 };
 
 /// The arrays of a model as bare pointers. The kernels must not use inline functions of the
@@ -73,7 +73,7 @@ struct HashFactors {
 };
 extern const HashFactors kHashFactors;
 
-/// The question that a query asks for each ray.
+/// The kind of a query.
 enum class Query {
   kAccepted,  ///< The nearest element that stops the beam.
   kSurface,   ///< The nearest triangle, whatever its hit probability.
@@ -83,7 +83,7 @@ enum class Query {
 /// Marks the place of a triangle in the blocks of a tree, kInBlock | (block·kWidth + lane)·2 +
 /// which of the pair, in contrast to the number of an element.
 inline constexpr uint32_t kInBlock = 0x80000000u;
-/// The most blocks of triangles that can be told apart so.
+/// The largest number of blocks of triangles with distinct places.
 inline constexpr size_t kMostTriangleBlocks = kInBlock / (2 * kWidth) - 1;
 
 /// Copies of the last pair for which `Known` has room.
@@ -94,7 +94,7 @@ struct Known {
   Candidate of[kBatchRays + kKnownBeyond];
 };
 
-/// A query: its rays, and what has been found for them.
+/// A query: its rays, and the results for them so far.
 struct Batch {
   const Ray* rays;
   const uint64_t* keys;          ///< A key for each ray, for kAccepted.
@@ -108,7 +108,7 @@ struct Batch {
   /// are given by their places.
   Known *ellipsoids, *triangles;
   std::vector<Candidate> candidates;  ///< Output for kAll: undecided pairs, in no order.
-  std::vector<ApproachBound> bounds;  ///< Output for kAll: one a candidate.
+  std::vector<ApproachBound> bounds;  ///< Output for kAll: one per candidate.
 };
 
 /// The transformation from the tree's frame to that of an instance.
@@ -128,10 +128,10 @@ struct Placement {
 /// Computes the transformation to an instance, and transforms `centre` (relative to the tree's
 /// origin, m).
 Placement place(const View& view, uint32_t instance, const double centre[3]);
-/// Decides in double precision whether ray `ray` of the batch ends at an element or at what it had
-/// before. `have_element` (the place of a triangle) and `have_instance` are what the kernel holds
-/// for the ray, certain but not yet in `best`, or kNone. Gives true if the new element is nearer;
-/// it is then in `best`.
+/// Decides in double precision whether ray `ray` of the batch ends at an element or at the one that
+/// it had before. `have_element` (the place of a triangle) and `have_instance` are those of the
+/// element that the kernel holds for the ray, certain but not yet in `best`, or kNone. Returns true
+/// if the new element is nearer; it is then in `best`.
 bool resolve_nearest(const View& view, Query query, Batch& batch, size_t ray, uint32_t instance,
                      uint32_t element, uint32_t have_instance, uint32_t have_element);
 /// Computes `intersect` for a candidate.

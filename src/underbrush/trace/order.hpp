@@ -11,7 +11,7 @@ inline constexpr size_t kPacketRays = 128;
 /// The number of rays that are ordered at a time. Longer queries are cut into runs of this length.
 inline constexpr size_t kBatchRays = 8192;
 
-/// A run of rays in single precision, with what orders them.
+/// A run of rays in single precision, with the angles by which they are ordered.
 struct FloatRays {
   /// For each ray: origin relative to `centre` (3), direction (3), and the two halves of its key.
   alignas(64) float row[kBatchRays][8];
@@ -25,8 +25,8 @@ struct FloatRays {
 };
 
 /// Computes an order of the rays (up to `kBatchRays`), such that runs of kPacketRays rays make
-/// compact tiles on the sphere of directions. `order` gets the numbers of the rays. Gives the side
-/// of a tile, rad.
+/// compact tiles on the sphere of directions. `order` gets the numbers of the rays. Returns the
+/// side of a tile, rad.
 float order_by_direction(const FloatRays& rays, std::span<uint32_t> order);
 
 /// The order of a run of rays. A sensor that turns repeats its pattern of directions, up to the
@@ -43,7 +43,7 @@ class DirectionOrder {
   alignas(64) float azimuth_[kBatchRays], sin_elevation_[kBatchRays];
   uint32_t order_[kBatchRays + kPacketRays];
   size_t count_ = 0;
-  float slack_rad_ = 0;  // how far directions may lie from those that were ordered
+  float slack_rad_ = 0;  // the largest allowed angle of directions from those that were ordered
 };
 
 }  // namespace underbrush::trace

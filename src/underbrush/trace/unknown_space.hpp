@@ -58,9 +58,9 @@ class GroundHeights {
   double lowest_m_ = 0, highest_m_ = 0;
 };
 
-/// What rays are expected to meet in unknown space (`elements::ObservedSpace`). A ray is followed
-/// in steps of the map's cells. In a step of length Δ in a cell that no beam crossed it ends with
-/// the probability 1 − exp(−κ Δ).
+/// The matter that rays are expected to meet in unknown space (`elements::ObservedSpace`). A ray is
+/// followed in steps of the map's cells. In a step of length Δ in a cell that no beam crossed it
+/// ends with the probability 1 − exp(−κ Δ).
 class UnknownSpace {
  public:
   /// `space` and `ground` must outlive it. Where `ground` has no vertices to keep, all space counts
@@ -75,7 +75,7 @@ class UnknownSpace {
     double height_m;  ///< Height of its middle above the ground, m.
     uint64_t cell;    ///< A hash of the cell of its middle.
     Vec3 at;          ///< Its middle in the frame of the model, m.
-    double fall;      ///< How much the ray falls, m per metre, at least `kLeastFall`.
+    double fall;      ///< Fall of the ray, m per metre, at least `kLeastFall`.
 
     /// Whether the ray is near the ground, where its fall counts and not its length.
     bool is_low() const { return height_m < elements::ObservedSpace::kGroundM; }
@@ -84,7 +84,7 @@ class UnknownSpace {
   };
   static constexpr double kLeastFall = 0.01;
   /// Calls `take(step)` for each step of a ray (world) in unknown space, in order of range, until
-  /// it returns false. Steps above the highest interval in which anything is met are left out.
+  /// it returns false. Steps above the highest interval in which there is matter are left out.
   template <class F>
   void follow(const Ray& ray, const RangeLimits& limits, F take) const {
     const auto unknown = [this](const StepCells& cells, CrossedCells::Block& block) {
@@ -92,7 +92,7 @@ class UnknownSpace {
     };
     follow(ray, limits, unknown, take);
   }
-  /// The same without the steps that are not among the bits of `which(cells, block)`; the last step
+  /// Does so without the steps that are not among the bits of `which(cells, block)`; the last step
   /// counts always.
   template <class Which, class F>
   void follow(const Ray& ray, const RangeLimits& limits, Which which, F take) const;
@@ -106,14 +106,14 @@ class UnknownSpace {
   /// Draws the range (m) at which a ray ends in unknown space within limits; nothing where it does
   /// not. Rays of one key that come into one cell have the same trial there.
   std::optional<double> drawn_end(const Ray& ray, uint64_t key, const RangeLimits& limits) const;
-  /// The same before the ray comes to the element at which it would end, which may be none.
+  /// Draws the range, before that of the element at which the ray would end, which may be none.
   std::optional<double> drawn_end(const Ray& ray, uint64_t key, RangeLimits limits,
                                   const Intersection& met) const {
     if (!met.none()) limits.max_m = std::min(limits.max_m, met.t_m);
     return drawn_end(ray, key, limits);
   }
-  /// Adds what a ray may meet in unknown space to the elements that it meets, in order of range:
-  /// pieces of its way with their p, their mean range and its σ. They belong to no element.
+  /// Adds matter that a ray may meet in unknown space to the elements that it meets, in order of
+  /// range: pieces of its way with their p, their mean range and its σ. They belong to no element.
   void add_to(const Ray& ray, const RangeLimits& limits, std::span<const Intersection> met,
               std::vector<Intersection>& out) const;
 
@@ -134,11 +134,11 @@ class UnknownSpace {
   double most_low_ = 0, most_high_ = 0;  // the greatest densities near the ground and above
 };
 
-/// The element number of what a ray meets in unknown space.
+/// The element number of matter that a ray meets in unknown space.
 inline constexpr uint32_t kUnknown = 0xfffffffeu;
 
 /// The support of a beam: the probability that it does not end in unknown space, by the mixture of
-/// what it may meet.
+/// its possible ranges.
 double support_of(std::span<const Intersection> met, const RangeMixture& mixture);
 
 template <class Which, class F>

@@ -17,7 +17,7 @@ namespace underbrush::trace {
 /// The instruction sets of the kernels. `kBest` is the best one that the machine has.
 enum class Isa { kBest, kBase, kAvx2, kAvx512 };
 
-/// Lists of what each of several rays meets.
+/// Lists of the elements that each of several rays meets.
 class IntersectionLists {
  public:
   size_t size() const { return first_.empty() ? 0 : first_.size() - 1; }
@@ -31,11 +31,11 @@ class IntersectionLists {
   std::vector<Intersection> met_;
 };
 
-/// How beams draw their trials. With `kOnce` the matter of the world is drawn once, in cells of its
-/// grain (`elements::Model::grain`): beams of the same key that pass an element in the same cell
-/// have the same trial. With `kAnew` every key draws anew, as if there were no grain. With
-/// `kSwaying` the matter of ellipsoids moves with the time: the lower half of a key is the draw,
-/// and the upper one the time in ticks (`swaying_cell`).
+/// The way in which beams draw their trials. With `kOnce` the matter of the world is drawn once, in
+/// cells of its grain (`elements::Model::grain`): beams of the same key that pass an element in the
+/// same cell have the same trial. With `kAnew` every key draws anew, as if there were no grain.
+/// With `kSwaying` the matter of ellipsoids moves with the time: the lower half of a key is the
+/// draw, and the upper one the time in ticks (`swaying_cell`).
 enum class Draws { kAnew, kOnce, kSwaying };
 
 /// All elements of a model or a scene behind one query interface.
@@ -60,17 +60,17 @@ class World {
   const elements::Model& model(uint32_t instance = 0) const;
   /// Whether the world is one model in its own place, and no scene of several.
   bool is_one_model() const;
-  /// What rays may meet in the space that no beam of the log of the first instance's model crossed;
-  /// null where that space counts as empty, and where the instance is turned or scaled. Queries for
-  /// elements leave it out.
+  /// The matter that rays may meet in the space that no beam of the log of the first instance's
+  /// model crossed; null where that space counts as empty, and where the instance is turned or
+  /// scaled. Queries for elements leave it out.
   const UnknownSpace* unknown_space() const;
-  /// The elements `met` that a ray meets, in order of range, together with what it may meet in
-  /// unknown space (`UnknownSpace::add_to`), in `merged` if there is any.
+  /// The elements `met` that a ray meets, in order of range, together with the matter that it may
+  /// meet in unknown space (`UnknownSpace::add_to`), in `merged` if there is any.
   std::span<const Intersection> with_unknown(const Ray& ray, const RangeLimits& limits,
                                              std::span<const Intersection> met,
                                              std::vector<Intersection>& merged) const;
-  /// The number by which an instance draws: its own, or where the world is a part of a scene, that
-  /// in the whole.
+  /// The number of an instance for random draws: its own, or where the world is a part of a scene,
+  /// that in the whole.
   uint32_t number(uint32_t instance) const;
   /// The place of an instance in the world.
   const elements::Instance& instance(uint32_t instance) const;
@@ -100,15 +100,15 @@ class World {
                          std::vector<Intersection>& met) const;
 
   /// Finds the pairs of a ray and an element that `all_intersections` has, in no order, with a few
-  /// more that are too close to tell in single precision. The spans are valid until the thread's
-  /// next search of any world.
+  /// more that are too close for single precision. The spans are valid until the thread's next
+  /// search of any world.
   Candidates candidates(std::span<const Ray> rays, const RangeLimits& limits,
                         std::span<const double> entry_limits_m) const;
-  /// Decides candidates: `met[k]` is what the ray of `pairs[k]` meets of its element, or none().
+  /// Decides candidates: `met[k]` is the meeting of the ray and element of `pairs[k]`, or none().
   void intersections(std::span<const Ray> rays, const RangeLimits& limits,
                      std::span<const Candidate> pairs, std::span<Intersection> met) const;
 
-  /// How the trials are drawn.
+  /// The way in which the trials are drawn.
   Draws draws() const;
   /// Takes over the sides of the cells in the models' grain, which may have changed; the classes in
   /// it must be the same as before. No query may run meanwhile.

@@ -1,5 +1,5 @@
 /// \file
-/// The test whether the ellipsoids of a model are still what they were, from earlier and later
+/// The test whether the ellipsoids of a model have changed, from the trials of earlier and of later
 /// beams.
 #pragma once
 #include <span>

@@ -1,5 +1,5 @@
 /// \file
-/// Which triangles of a mesh were there before it was made again.
+/// The triangles of a mesh that were there before it was made again.
 #pragma once
 #include <limits>
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace underbrush::update {
 
-/// In the list of `kept_triangles`: the triangle is new.
+/// The number of a new triangle in the list of `kept_triangles`.
 inline constexpr uint32_t kNewTriangle = std::numeric_limits<uint32_t>::max();
 
 /// Finds for each triangle of `now` the triangle of `before` with the same corners, whose heights

@@ -12,8 +12,8 @@ namespace underbrush::update {
 /// The new returns of one tile.
 struct TileReturns {
   size_t returns = 0;       ///< New returns in the tile.
-  size_t unexplained = 0;   ///< How many no element of the model explains.
-  bool is_touched = false;  ///< Whether one lies in the tile or within `kTileMarginM` of it.
+  size_t unexplained = 0;   ///< New returns that no element of the model explains.
+  bool is_touched = false;  ///< Whether new returns lie in the tile or within `kTileMarginM` of it.
 };
 
 /// The counts of new scans, and the tiles that their returns touch.
@@ -23,7 +23,7 @@ struct NewReturns {
   std::map<TileKey, TileReturns> tiles;
 };
 
-/// Reads new scans once and holds their returns against a model and its tiles. A tile without a
+/// Reads new scans once and compares their returns with a model and its tiles. A tile without a
 /// return of its own is among the result only if the model has it. Throws `DataError` for scans
 /// that lie farther from every tile than the sensor reaches.
 NewReturns new_returns(BeamSource& added, const elements::Model& model,

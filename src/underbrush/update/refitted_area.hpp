@@ -1,5 +1,5 @@
 /// \file
-/// The ground below what an update has fitted anew.
+/// The ground below the elements that an update has fitted anew.
 #pragma once
 #include <vector>
 
@@ -9,9 +9,9 @@
 
 namespace underbrush::update {
 
-/// Returns where beams may meet what was fitted anew: the tiles `anew` (of which there is at least
-/// one) of a side in metres, and the ellipsoids whose number in the model as it was (`before`) is
-/// `fit::kNewEllipsoid`.
+/// Returns the area in which beams may meet refitted elements: the tiles `anew` (of which there is
+/// at least one) of a side in metres, and the ellipsoids whose number in the model as it was
+/// (`before`) is `fit::kNewEllipsoid`.
 credit::GroundArea refitted_area(const elements::Model& model, const std::vector<uint32_t>& before,
                                  const std::vector<TileKey>& anew, double tile_m);
 

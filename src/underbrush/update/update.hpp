@@ -13,8 +13,8 @@ namespace update {
 /// The options of `update`.
 struct UpdateOptions {
   /// A tile that new returns touch is fitted anew once its returns have grown by this share since
-  /// it was fitted. With 0 every touched tile is, and the elements are those of one fit of all
-  /// scans, unless they are refined.
+  /// it was fitted. With 0 every touched tile is fitted anew, and the elements are those of one fit
+  /// of all scans, unless they are refined.
   double growth = 0.25;
   /// A tile is fitted anew, too, once this share of its returns lies where no element explains
   /// them.

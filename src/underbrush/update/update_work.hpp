@@ -23,10 +23,10 @@ class UpdateWork {
 
   /// Fits some tiles anew, to the points of all logs.
   void fit(const std::vector<TileKey>& anew);
-  /// Counts the hits and misses of all elements, and drops what is free space.
+  /// Counts the hits and misses of all elements, and drops ellipsoids in free space.
   void count();
-  /// Refines the new elements as `likelihood` does, with the beams that may meet them. Earlier
-  /// beams through what has changed saw another world.
+  /// Refines new elements and the ground of fitted tiles as `likelihood` does, with the beams that
+  /// may meet them. Earlier beams through changed ellipsoids are left out.
   void refine_new(const likelihood::LikelihoodOptions& options);
   /// Learns the classes and the reflectances of new elements.
   void colour();
@@ -35,7 +35,7 @@ class UpdateWork {
 
  private:
   void gather_near(BeamSource& log, const fit::TileSet& wanted, TileStore& store);
-  /// Calls `use` with the new beams and those of the earlier logs that may meet what is new, but
+  /// Calls `use` with the new beams and those of the earlier logs that may meet new elements, but
   /// none of the ellipsoids of `changed` if that is not null.
   void with_crossing(const std::function<void(BeamSource&)>& use,
                      const elements::Model* changed = nullptr) const;
@@ -71,7 +71,7 @@ class UpdateWork {
   std::vector<TileKey> anew_;
   std::vector<uint32_t> before_;           // of each ellipsoid, its number in the model as it was
   std::vector<bool> new_;                  // of each element, whether it is new
-  elements::Model changed_;                // the ellipsoids of which later beams say otherwise
+  elements::Model changed_;                // the ellipsoids that later beams contradict
   std::vector<credit::TrialTimes> times_;  // of the ellipsoids that are new
   std::optional<double> zero_s_;           // the time from which they count
   size_t ellipsoids_ = 0, traced_ = 0;

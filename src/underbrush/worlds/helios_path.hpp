@@ -15,7 +15,7 @@ namespace underbrush::worlds {
 /// A time (s) before or after all others.
 inline constexpr double kEver = 1e12;
 
-/// What a leg says, with the defaults of HELIOS++.
+/// The settings of a leg, with the defaults of HELIOS++.
 struct LegSettings {
   Vec3 position = Vec3::Zero();
   bool on_ground = false, active = true;
@@ -25,14 +25,14 @@ struct LegSettings {
   double head_rad_per_s = 0, head_start_rad = 0, head_stop_rad = 0;
   double vertical_step_rad = 0, horizontal_step_rad = 0;
   double longest_s = -1;  ///< Not positive = no limit.
-  double warmup_s = 0;    ///< For which head and optics turn before the first pulse.
+  double warmup_s = 0;    ///< Time for which head and optics turn before the first pulse.
 
   double warmup_pulses() const {
     return std::isfinite(pulse_hz) ? std::max(0.0, std::round(warmup_s * pulse_hz)) : 0;
   }
 };
 
-/// Where the scanner is on the platform. As in HELIOS++, the position does not turn with the
+/// The mounting of the scanner on the platform. As in HELIOS++, the position does not turn with the
 /// platform.
 struct ScannerMount {
   Vec3 position = Vec3::Zero();

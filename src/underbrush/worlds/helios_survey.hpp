@@ -12,7 +12,7 @@
 
 namespace underbrush::worlds {
 
-/// Tells the height (m) of the ground below a place; nothing where there is none.
+/// A function for the height (m) of the ground below a place; nothing where there is none.
 using HeightAt = std::function<std::optional<double>(double x, double y)>;
 
 /// A leg of a survey on which the scanner measures.
@@ -29,14 +29,14 @@ struct Survey {
   std::filesystem::path file;  ///< The XML file that it was read from.
   std::string name;
   std::vector<SurveyLeg> legs;
-  /// Number of things in the XML that are not used, by what they are.
+  /// Number of things in the XML that are not used, by kind.
   std::map<std::string, size_t> left_out;
 };
 
-/// Reads the legs of the survey in an XML file, with its platform and scanner. `ground_at` tells
-/// the height (m) below a place for legs on the ground; it may be empty. docs/how-to/helios.md says
-/// what is taken over. Throws `FormatError`, also for a scanner whose optics are not oscillating,
-/// conic, line, rotating or risley.
+/// Reads the legs of the survey in an XML file, with its platform and scanner. `ground_at` gives
+/// the height (m) below a place for legs on the ground; it may be empty. docs/how-to/helios.md
+/// lists the data that are read. Throws `FormatError`, also for a scanner whose optics are not
+/// oscillating, conic, line, rotating or risley.
 Survey read_helios_survey(const std::filesystem::path& path, const HeightAt& ground_at,
                           const std::filesystem::path& assets = {});
 

@@ -1,5 +1,5 @@
 /// \file
-/// A mesh file as a world of its own: coordinates, groups, materials and classes as they are there.
+/// A mesh file as a world of its own, with its coordinates, groups, materials and classes.
 #pragma once
 #include <filesystem>
 #include <map>
@@ -14,19 +14,19 @@ namespace underbrush {
 /// Worlds in third-party formats: meshes, scenes and surveys of HELIOS++, voxels of AMAPVox.
 namespace worlds {
 
-/// How coordinates of a mesh file become those of the world.
+/// The conversion of the coordinates of a mesh file to those of the world.
 struct MeshOptions {
   double unit_m = 1;  ///< m; length of the file's unit.
   /// "z", or "y": x, y, z of the file become x, −z, y, as they always do in glTF.
   std::string up = "z";
 };
 
-/// The words of the options of these fields.
+/// The help of the options of these fields.
 inline constexpr const char *kUnitHelp = "Length of the unit of mesh files",
                             *kUpHelp =
                                 "Axis that points up in mesh files; in glTF files it is always y";
 
-/// What a file became, for people to read.
+/// The report on the conversion of a file, for people to read.
 struct WorldReport {
   size_t parts = 0, triangles = 0, voxels = 0;
   /// m, world; all coordinates are stored relative to it in single precision.
@@ -35,7 +35,7 @@ struct WorldReport {
   double unit_m = 1;
   bool y_up = false;
   size_t without_material = 0;  ///< Parts whose reflectance the file does not state.
-  /// Number of things that the files have and that are not used, by what they are.
+  /// Number of things that the files have and that are not used, by kind.
   std::map<std::string, size_t> left_out;
 };
 

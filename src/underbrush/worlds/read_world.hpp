@@ -10,7 +10,7 @@
 
 namespace underbrush::worlds {
 
-/// How the files of a world are read.
+/// The options for reading the files of a world.
 struct ReadOptions {
   MeshOptions mesh;
   std::string assets;  ///< Folder in which a scene of HELIOS++ has its files, too.

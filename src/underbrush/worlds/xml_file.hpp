@@ -33,7 +33,7 @@ class XmlFile {
   std::string text(const pugi::xml_node& of, const char* attribute) const;
   /// Returns the attributes x, y and z, each 0 where it is not there.
   Vec3 vector(const pugi::xml_node& of) const;
-  /// Returns the rotation of the elements rot (axis, angle_deg) in `of`: each turns what stands
+  /// Returns the rotation of the elements rot (axis, angle_deg) in `of`: each turns the rotation
   /// before it about the fixed axes, or, with rotations="local", about the turned ones.
   Eigen::Quaterniond rotation(const pugi::xml_node& of) const;
   /// Returns the element `name` with this id. Throws where there is none.
