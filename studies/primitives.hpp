@@ -82,8 +82,8 @@ struct PairOutcome {
 /// each of these and scores them.
 PairOutcome run_pair(const SitePair& pair, const PairOptions& options);
 
-/// Answers each beam of `test` with the measurement of the scan of `train` whose sensor stood
-/// nearest in the same ring, at the nearest azimuth in the sensor's frame.
+/// Answers each beam of `test` with a measurement of the scan of `train` whose sensor stood
+/// nearest, the one of the same ring at the nearest azimuth in the sensor's frame.
 BeamLog replay(const BeamLog& train, const BeamLog& test);
 
 /// Adds the columns `class` and `instance` as `segment` does.

@@ -12,8 +12,8 @@ CLI::Option* add_sensor_option(CLI::App& app, fit::FitOptions& fit) {
       .add_option_function<std::string>(
           "--sensor",
           [&fit](const std::string& name) { pipeline::set_recorder(sensor::load(name), fit); },
-          "The sensor of the log, if the log does not name it; mixture rounds then remove its "
-          "footprint")
+          "The sensor of the log, if the log does not name it; hierarchical and likelihood remove "
+          "its footprint")
       ->type_name("SENSOR");
 }
 

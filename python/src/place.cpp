@@ -51,10 +51,13 @@ class Distinct {
  public:
   explicit Distinct(size_t most) : most_(most), slots_(std::bit_ceil(4 * most), kNone) {}
 
-  /// Returns the number of a time, or `kNone` where it would be one too many.
+  /// Returns the number of a time, or `kNone` where it would be one too many, or too many others
+  /// have its place.
   uint32_t number_of(double time) {
+    if (std::isnan(time)) time = std::numeric_limits<double>::quiet_NaN();
     const uint64_t bits = std::bit_cast<uint64_t>(time);
-    for (size_t at = size_t(bits * 0x9e3779b97f4a7c15u >> 32);; ++at) {
+    const size_t begin = size_t(bits * 0x9e3779b97f4a7c15u >> 32);
+    for (size_t at = begin; at < begin + kMostProbes; ++at) {
       uint32_t& slot = slots_[at & (slots_.size() - 1)];
       if (slot == kNone) {
         if (times_.size() == most_) return kNone;
@@ -64,10 +67,12 @@ class Distinct {
       }
       if (std::bit_cast<uint64_t>(times_[slot]) == bits) return slot;
     }
+    return kNone;
   }
   const std::vector<double>& times() const { return times_; }
 
  private:
+  static constexpr size_t kMostProbes = 64;
   size_t most_;
   std::vector<uint32_t> slots_;
   std::vector<double> times_;

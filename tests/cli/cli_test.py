@@ -24,12 +24,12 @@ PROGRAM = None
 PROGRESS = r"^\[ *[0-9.]+ s\] .*\n"
 
 
-def call(*words, cwd=None, program=None):
+def call(*words, cwd=None, program=None, timeout=120):
     """Runs the program; progress ("[1.2 s] ...") goes from `stderr` to `progress`."""
     # The texts must not depend on a terminal's width or language.
     environment = {k: v for k, v in os.environ.items() if k not in ("COLUMNS", "LANG", "LC_ALL")}
     done = subprocess.run([program or PROGRAM, *map(str, words)], cwd=cwd, env=environment, text=True,
-                          stdin=subprocess.DEVNULL, capture_output=True, check=False, timeout=600)
+                          stdin=subprocess.DEVNULL, capture_output=True, check=False, timeout=timeout)
     done.progress = "".join(re.findall(PROGRESS, done.stderr, re.MULTILINE))
     done.stderr = re.sub(PROGRESS, "", done.stderr, flags=re.MULTILINE)
     return done

@@ -179,9 +179,11 @@ class ServeLabels(unittest.TestCase):
         instrument = self.server.json_of("api/jobs/command?verb=simulate&world=3&like=0&name=n.ply&super_sample=3x3&returns=2"
                                          "&material=tree%3Dbark%20ground%3Dsoil")["command"]
         self.assertIn(" --super-sample 3x3 --returns 2 --material tree=bark ground=soil ", instrument)
-        for bad in ("-o", "../x", "a/b", " ", "x;y", "x\0"):  # neither options nor paths
+        for bad in ("-o", "../x", "a/b", " ", "x;y", "x\0", "2 log.ply"):  # neither options nor paths
             status, _ = self.post("jobs/start", verb="simulate", world=3, like=0, name="n.ply", super_sample=bad)
             self.assertEqual(status, 400, bad)
+        status, _ = self.post("jobs/start", verb="score", real=0, simulated=0, name="s.json", memory="2GiB log.ply")
+        self.assertEqual(status, 400)
         files = {"fit": ("start", "logs"), "simulate": ("materials",)}
         for verb, names in files.items():  # no path of a request reaches a command line
             self.assertFalse(set(names) & set(listed[verb]))

@@ -12,7 +12,7 @@ from cli_test import call
 
 
 def study(*words, cwd=None):
-    return call(*words, cwd=cwd, program=pathlib.Path(cli_test.PROGRAM).with_name("underbrush-study"))
+    return call(*words, cwd=cwd, program=pathlib.Path(cli_test.PROGRAM).with_name("underbrush-study"), timeout=600)
 
 
 def write_cloud(path, points):

@@ -88,17 +88,18 @@ def place(scan: Scan, poses: Poses | None, *, world: bool = False, position: Seq
     n = len(scan)
     time = scan.beam_time_s if scan.beam_time_s is not None else np.full(n, scan.time_s)
     times, group, order = group_times(np.ascontiguousarray(time, np.float64))
+    moves = position is None and poses is not None and len(poses.time_s) > 0
     if position is not None:
-        known = np.array([position], np.float64), _NO_TURN, np.ones(1, bool)
+        known = np.asarray(position, np.float64).reshape(1, 3), _NO_TURN, np.ones(1, bool)
         group = np.zeros(n, np.uint32)
-    elif poses is not None and len(poses.time_s):
+    elif moves and poses is not None:
         known = pose_at(poses, times)  # Beams of equal time, and there are many, share an interpolated pose.
     elif world and scan.origin is not None:
         known = scan.origin, _NO_TURN, np.ones(n, bool)
         group = np.arange(n, dtype=np.uint32)
     else:
         raise ValueError("neither poses nor a position")
-    places, turns, inside = (np.ascontiguousarray(column) for column in known)
+    places, turns, inside = _columns(known[0]), _columns(known[1]), np.ascontiguousarray(known[2])
     points, instead, direction, range_m = scan.xyz, None, scan.direction, scan.range_m
     if direction is not None and range_m is not None:
         points = None
@@ -108,12 +109,14 @@ def place(scan: Scan, poses: Poses | None, *, world: bool = False, position: Seq
         if not world and far_from_sensor(points):
             raise OptionMissing("its points lie far from the sensor and close together: are its coordinates those of "
                                 "the world?")
-        if not world and not np.isfinite(points[:, 0]).all():
+        if not world and not np.isfinite(points).all():
             instead = directions_of_misses(scan)
     rows, origin, direction, distance, left = place_rays(
         *(_columns(column) for column in (points, instead, direction)),
         None if range_m is None else np.ascontiguousarray(range_m, np.float32), _columns(scan.origin), group, places,
         None if world else turns, inside, order, _LEAST_RANGE_M)
+    if not moves:
+        left[1] = 0  # Only flight lines lack positions.
     for count, reason in zip(left, ("beams outside the times of the poses",
                                     "points of flight lines whose sensor positions cannot be estimated",
                                     "misses whose direction cannot be found", "points at the sensor itself")):

@@ -127,9 +127,9 @@ credit::BeamShare share_of_round(size_t beams, int round, int rounds);
 /// number of threads and any order of the beams. `progress(stage, done, total)` may be empty.
 /// Throws `std::invalid_argument` for ellipsoids bounded by voxels, because their means would leave
 /// the voxels, and for options out of range.
+///
 /// Unless `moving` is empty, it has one value for each element: whether the element may change.
 /// Beams meet the other elements, too, but these stay as they are.
-/// stay as they are.
 Refined refine(const elements::Model& start, BeamSource& source, const LikelihoodOptions& options,
                const std::function<void(std::string_view, size_t, size_t)>& progress = {},
                const std::vector<bool>& moving = {});

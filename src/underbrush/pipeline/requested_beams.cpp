@@ -25,7 +25,7 @@ RequestedBeams::RequestedBeams(const perception::Rig& rig, const Trajectory& wor
 Simulation RequestedBeams::simulation(const TracedWorld& world,
                                       const SimulateOptions& options) const {
   if (!rig_.empty()) return {world, options, rig_};
-  if (sensor_) return {world, options, [this](const char*) { return *sensor_; }};
+  if (sensor_) return {world, options, [sensor = *sensor_](const char*) { return sensor; }};
   return {world, options, sensor_of(name_, *source_)};
 }
 

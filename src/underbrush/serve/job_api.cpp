@@ -200,8 +200,10 @@ std::string number_text(double value, bool whole) {
 }
 
 // An option and its values, which a request separates by blanks. A value begins with a letter or a
-// digit and has no slash, so that it is neither an option nor a path.
-std::vector<std::string> with_values(const std::string& option, const std::string& text) {
+// digit and has no slash, so that it is neither an option nor a path. A second value of an option
+// that takes one would be a file to the command.
+std::vector<std::string> with_values(const std::string& option, bool is_list,
+                                     const std::string& text) {
   std::vector<std::string> out{option};
   std::istringstream words(text);
   for (std::string word; words >> word; out.push_back(word)) {
@@ -213,6 +215,7 @@ std::vector<std::string> with_values(const std::string& option, const std::strin
     require(plain, "a value with other characters than letters, digits and _ - = : , . +");
   }
   require(out.size() > 1, "a value is missing");
+  require(is_list || out.size() == 2, "more than one value");
   return out;
 }
 
@@ -232,7 +235,7 @@ std::vector<std::string> words_of(const Setting& setting, const Query& query) {
     return {option, word};
   }
   if (setting.type != "float" && setting.type != "int") {
-    return with_values(option, query.text(key.c_str()));
+    return with_values(option, setting.type != "str", query.text(key.c_str()));
   }
   const double value = query.real(key.c_str());
   const bool whole = setting.type == "int";

@@ -26,8 +26,8 @@ struct LabelValue {
   uint32_t bits() const { return label | (selected ? 128u : 0u) | instance << 8; }
 };
 
-/// Rows in ascending order, as pairs of numbers of variable length: the rows that are left out, and
-/// those that follow.
+/// Rows in ascending order, as pairs of numbers of variable length: the number of rows that are
+/// left out, and of those that follow.
 class RowRuns {
  public:
   /// Adds a row, which is greater than all before.
