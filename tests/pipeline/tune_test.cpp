@@ -5,6 +5,7 @@
 #include "io/temporary.hpp"
 #include "optimize/logs.hpp"
 #include "primitives/sites.hpp"
+#include "underbrush/fit/fit.hpp"
 #include "underbrush/optimize/densities.hpp"
 #include "underbrush/pipeline/score_logs.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
