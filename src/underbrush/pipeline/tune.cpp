@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/optimize/densities.hpp"
 #include "underbrush/optimize/fit_parameters.hpp"
