@@ -188,3 +188,27 @@ def test_files_of_poses(tmp_path: pathlib.Path) -> None:
         path.write_text(text)
         with pytest.raises(FormatError):
             read_poses(path)
+
+
+def test_beams_are_in_order_of_time_and_those_of_equal_time_in_their_own() -> None:
+    """For few times, for many, and for times that are no numbers, whatever their bits."""
+    draw = np.random.default_rng(7)
+    strange = np.array([0xfff8000000000000, 0x7ff8000000000001], np.uint64).view(np.float64)
+    for pool in (np.arange(5.0), draw.random(4000), np.concatenate([[0.0, -0.0, 1.0, np.inf, -np.inf], strange])):
+        time = draw.choice(pool, 3000)
+        scan = Scan(0, 0.0, xyz=draw.normal(size=(3000, 3)) + 5, beam_time_s=time, extra={"row": np.arange(3000)})
+        with np.errstate(invalid="ignore"):
+            found = place(scan, None, position=[0, 0, 0])
+        assert np.array_equal(found["row"], np.argsort(time, kind="stable"))
+        assert np.allclose(found["direction"] * found["range_m"][:, None], scan.xyz[found["row"]], atol=1e-5)
+
+
+def test_a_row_with_part_of_a_place_is_a_miss() -> None:
+    azimuth, elevation = np.meshgrid(np.linspace(0, 6, 100), np.deg2rad([-10.0, 0, 10, 20]))
+    xyz = 9 * np.stack([np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)], -1)
+    whole, rows = xyz.reshape(-1, 3), [30, 170, 390]
+    broken = whole.copy()
+    broken[rows, 2] = np.nan
+    found = place(Scan(0, 0.0, xyz=broken, shape=(4, 100)), None, position=(0.0, 0.0, 0.0))
+    assert len(found["range_m"]) == 400 and np.flatnonzero(np.isinf(found["range_m"])).tolist() == rows
+    assert np.allclose(found["direction"], whole / 9, atol=2e-3)

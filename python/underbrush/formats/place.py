@@ -162,7 +162,8 @@ def directions_of_misses(scan: Scan) -> Floats:
         if not np.all(ring == ring[:1]):
             return nothing
         grid = grid.T  # A row is a firing.
-    points = np.nan_to_num(scan.xyz[grid])
+    points = scan.xyz[grid]
+    points = np.where(np.isfinite(points).all(axis=-1, keepdims=True), points, 0.0)
     range_m = np.sqrt(np.einsum("rci,rci->rc", points, points))
     hit = range_m > 0
     used, seen, rings, column = hit.any(axis=1), hit.any(axis=0), np.arange(len(hit)), np.arange(hit.shape[1])
