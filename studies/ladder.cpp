@@ -7,6 +7,7 @@
 #include "underbrush/credit/hit_probability.hpp"
 #include "underbrush/likelihood/maximisation.hpp"
 #include "underbrush/metrics/always_hit.hpp"
+#include "underbrush/pipeline/compose_scene.hpp"
 #include "underbrush/primitives/adapt.hpp"
 
 namespace underbrush::studies {
@@ -53,19 +54,19 @@ class Climb {
   }
 
   void composed() {
-    primitives::ComposeOptions options;
+    pipeline::ComposeOptions options;
     options.seed = seed_;
     const primitives::PrimitiveSet set =
         primitives::primitive_set(cut_, primitives::MeasureOptions{}.cell_m);
-    options.choose = primitives::Choice::kBox;
+    options.choose = "box";
     const primitives::Composition boxes =
-        primitives::compose(site_.annotation, site_.ground, set, options);
+        pipeline::compose_scene(site_.annotation, site_.ground, set, options);
     add("chosen by the box alone", boxes.scene, boxes.info);
-    options.choose = primitives::Choice::kBest;
+    options.choose = "best";
     const primitives::Composition first =
-        primitives::compose(site_.annotation, site_.ground, set, options);
+        pipeline::compose_scene(site_.annotation, site_.ground, set, options);
     add("composed", first.scene, first.info);
-    composition_ = primitives::compose(site_.annotation, test_, set, options);
+    composition_ = pipeline::compose_scene(site_.annotation, test_, set, options);
     add("ground of the fit", composition_.scene, composition_.info);
   }
 
@@ -143,7 +144,7 @@ class Climb {
   std::map<ObjectPlace, Primitive> own_primitives() const {
     std::map<ObjectPlace, Primitive> out;
     MemorySource source(pair_.test);
-    for (Primitive& p : primitives::extract(test_, source, {}).primitives) {
+    for (Primitive& p : pipeline::extract_primitives(test_, "test log", source, {}).primitives) {
       const ObjectPlace place = place_of(p.source);
       out.emplace(place, std::move(p));
     }

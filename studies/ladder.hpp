@@ -12,7 +12,7 @@ struct Rung {
 
 /// Composes a scene for a pair as `run_pair` does, makes it true in one respect after the other,
 /// and simulates and scores each world on the beams of `test`. The last rung is always hit, for
-/// comparison. The first rung is the scene composed by `primitives::Choice::kBox`. The rungs have
+/// comparison. The first rung is the scene composed by the option `--choose box`. The rungs have
 /// the same names and order for every pair.
 std::vector<Rung> ladder(const SitePair& pair, uint64_t seed);
 

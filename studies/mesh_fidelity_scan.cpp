@@ -129,7 +129,6 @@ PlantFigures figures_of(const SweepPlant& plant, const BeamLog& scan, uint64_t s
 PlantFigures ellipsoids_of(const BeamLog& scan, uint64_t seed) {
   fit::FitOptions options;
   options.seed = seed;
-  options.segment.method = "none";
   MemorySource source(scan);
   const elements::Model model = pipeline::fit_model({source}, options).model;
   pipeline::SimulateOptions options_of_draw;

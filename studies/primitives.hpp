@@ -5,6 +5,7 @@
 
 #include "studies/study.hpp"
 #include "underbrush/metrics/score.hpp"
+#include "underbrush/pipeline/extract_primitives.hpp"
 #include "underbrush/pipeline/world.hpp"
 #include "underbrush/plant_meshes/mesh_primitives.hpp"
 #include "underbrush/primitives/compose.hpp"
@@ -47,7 +48,7 @@ struct CutPrimitives {
 /// logs are of one site, those near the test are left out (`SitePair::one_site`).
 CutPrimitives cut_primitives(const SitePair& pair, const elements::Model& trained,
                              const AnnotatedSite& site,
-                             const primitives::ExtractOptions& options = {});
+                             const pipeline::ExtractOptions& options = {});
 
 /// A set of mesh primitives, and the name of its row.
 struct MeshSet {

@@ -4,11 +4,12 @@
 #include "studies/primitives.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/metrics/always_hit.hpp"
+#include "underbrush/pipeline/annotate_site.hpp"
+#include "underbrush/pipeline/compose_scene.hpp"
 #include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/pipeline/labelled_log.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 #include "underbrush/primitives/leave_out.hpp"
-#include "underbrush/primitives/log_ground.hpp"
 #include "underbrush/primitives/segment_log.hpp"
 
 namespace underbrush::studies {
@@ -35,20 +36,19 @@ elements::Model fit_of_log(const BeamLog& log, double min_range_m, uint64_t seed
 }
 
 AnnotatedSite annotated_site(const BeamLog& test, double max_range_m) {
-  AnnotatedSite site;
   MemorySource source(test);
-  site.ground = primitives::ground_of_log("test log", source);
+  pipeline::AnnotatedSite found = pipeline::annotate_site("test log", &source, "", {});
+  AnnotatedSite site{std::move(found.ground), {}};
   site.ground.max_range_m = max_range_m;
-  const primitives::GroundSurface surface(site.ground);
-  source.rewind();
-  site.annotation.objects = primitives::measure_objects(source, surface, {}).objects;
+  site.annotation.objects = std::move(found.measured.objects);
   return site;
 }
 
 CutPrimitives cut_primitives(const SitePair& pair, const elements::Model& trained,
-                             const AnnotatedSite& site, const primitives::ExtractOptions& options) {
+                             const AnnotatedSite& site, const pipeline::ExtractOptions& options) {
   MemorySource train(pair.train);
-  CutPrimitives out{primitives::extract(trained, train, options).primitives};
+  CutPrimitives out{
+      pipeline::extract_primitives(trained, "training log", train, options).primitives};
   if (!pair.one_site) return out;
   out.seen_by_both = std::erase_if(out.primitives, [&](const Primitive& p) {
     return std::any_of(
@@ -89,10 +89,10 @@ PairOutcome run_pair(const SitePair& pair, const PairOptions& o) {
   std::vector<primitives::Composition> composed(sets.size());
   std::vector<BeamLog> logs(sets.size());
   std::vector<Composed> shown;
-  primitives::ComposeOptions compose;
+  pipeline::ComposeOptions compose;
   compose.seed = o.seed;
   for (size_t k = 0; k < sets.size(); ++k) {
-    composed[k] = primitives::compose(site.annotation, site.ground, sets[k], compose);
+    composed[k] = pipeline::compose_scene(site.annotation, site.ground, sets[k], compose);
     logs[k] = answers_of_world(pipeline::TracedWorld(composed[k].scene, composed[k].info),
                                pair.test, o.seed);
     out.rows.push_back(names[k]);

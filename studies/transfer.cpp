@@ -230,7 +230,6 @@ StudyResult transfer(const StudyRun& run, const ModelChange& change) {
                         logs[name].test.size()));
     fit::FitOptions options;
     options.seed = run.seed;
-    pipeline::set_recorder(s, options);
     MemorySource train(logs[name].train);
     models[name] = pipeline::fit_model({train}, options).model;
     if (change) change(name, models[name]);

@@ -171,7 +171,6 @@ std::vector<Contender> contenders(const StudyRun& run, const BeamLog& train) {
   const auto add = [&](const std::string& name, fit::FitOptions options) {
     run.say(name);
     options.seed = run.seed;
-    pipeline::set_recorder(sensor::load("velodyne-hdl64e"), options);
     MemorySource source(train);
     out.push_back({name, pipeline::fit_model({source}, options).model});
   };

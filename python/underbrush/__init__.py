@@ -24,10 +24,10 @@ from underbrush.arrow import log_from_arrow, write_parquet
 from underbrush.errors import FormatError
 from underbrush.live import Lidar
 from underbrush.logs import ellipsoid_axes, log_from_columns
+from underbrush.results import MOVER, Imported, LearntActors, Marked, Segmentation, Split
 from underbrush.scenes import scene_from_models
-from underbrush.verbs import (MOVER, Imported, LearntActors, Marked, Segmentation, Split, actors, compare_clouds,
-                              compare_scans, compose, extract, fit, import_log, movers, optimize, perceive, report_of,
-                              score, segment, simulate, split)
+from underbrush.verbs import (actors, compare_clouds, compare_scans, compose, extract, fit, import_log, movers, optimize,
+                              perceive, report_of, score, segment, simulate, split)
 
 __version__ = version()
 

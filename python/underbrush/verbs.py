@@ -5,13 +5,14 @@ import json
 import os
 import tempfile
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, overload
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 from underbrush import _core
 from underbrush._core import BeamLog, Model, ObjectLists, Primitives, Scene, Score, Sensor, Trajectory, Tuning
 from underbrush.progress import Progress
 from underbrush.progress import shown as _shown
 from underbrush.recorded import given_log as _log
+from underbrush.results import Imported, LearntActors, Marked, Segmentation, Split
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -27,44 +28,6 @@ World = Model | Scene | Path  #: A model or scene, or the path of its folder.
 #: An object that moves: a model, or the path of a model's folder or a mesh (OBJ, PLY); its poses over time, world from
 #: object; and a material, "" for that of its class.
 Mover = tuple[Model | Path, Trajectory | Path, str]
-
-
-class Imported(NamedTuple):
-    """A log that was read and the counts that `underbrush import --json` writes."""
-
-    log: BeamLog
-    report: dict[str, Any]
-
-
-class Split(NamedTuple):
-    """The two parts of a log."""
-
-    train: BeamLog
-    test: BeamLog
-
-
-class Segmentation(NamedTuple):
-    """A labelled log and the counts and scores that `underbrush segment --json` writes."""
-
-    log: BeamLog  #: With the columns `class` (see `class_names`) and `instance`.
-    report: dict[str, Any]
-
-
-class Marked(NamedTuple):
-    """A log whose movers are marked and the counts that `underbrush movers --json` writes."""
-
-    log: BeamLog  #: With the bit `MOVER` in `flags` at the returns of what moved.
-    report: dict[str, Any]
-
-
-class LearntActors(NamedTuple):
-    """A log whose actors are marked and the report that `underbrush actors --json` writes."""
-
-    marked: BeamLog  #: With the bit `MOVER` in `flags` at the returns of the actors.
-    report: dict[str, Any]
-
-
-MOVER = 2  #: The bit of `BeamLog.flags` of a return of something that moved.
 
 
 def _provenance(verb: str, seed: int, **options: object) -> str:

@@ -10,6 +10,7 @@ LOGS = {  # name: what of DATA it needs
 }
 REAL_LOGS = '"$PYTHON" "$SOURCE/scripts/real_logs.py" "$DATA" "$WORK" --program "$BIN/underbrush"'
 STUDY = "underbrush-study"
+BASELINES = ("look-up", "always hit")
 
 HALVES = {log: Job(f"halves.{log}", f"{REAL_LOGS} --only {log} --models\ntest -s \"$WORK/{log}/test.ply\"", (path,))
           for log, path in LOGS.items()}

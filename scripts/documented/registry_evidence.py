@@ -4,6 +4,7 @@ import dataclasses
 import math
 import typing
 
+from .common import BASELINES
 from .jobs import Job, Measured, Part, read_json
 
 SOURCES = ("default", "mesh", "mesh, carved", "look-up", "always hit")
@@ -11,7 +12,7 @@ FAULTS = ("no noise", "double noise", "bias of 1 cm", "mirror tilted by 0.5°")
 IMAGES = {"CD, m²": "chamfer_m2", "F": "f_score", "depth RMSE, m": "depth_rmse_m", "MedAE, m": "depth_median_m",
           "SSIM": "depth_ssim", "PSNR, dB": "depth_psnr", "drop RMSE": "drop_rmse", "drop accuracy": "drop_accuracy",
           "drop F1": "drop_f1"}
-GHOSTS = {"packet error, m": "packet_error_m", "F1": "f1", "cloud error, m": "cloud_error_m",
+GHOSTS = {"capped error, m": "capped_error_m", "informedness": "informedness", "packet error, m": "packet_error_m", "F1": "f1", "cloud error, m": "cloud_error_m",
           "NLL/beam": "nll_per_beam", "CRPS, m": "crps_m"}
 
 
@@ -112,7 +113,7 @@ for m in default carved; do
   underbrush fit "$WORK/{street}/train.ply" --min-range 2 $more -o $m-all
   underbrush fit train.ply --min-range 2 $more -o $m-without
   for n in $m-all $m-without; do underbrush simulate $n --like test.ply -o $n.ply; done
-  underbrush score test.ply $m-all.ply $m-without.ply --model $m-all --model $m-without --json $m.json
+  underbrush score test.ply $m-all.ply $m-without.ply --model $m-all --model $m-without --train train.ply --json $m.json
 done
 rm -r *.ply *-all *-without""", (logs[street],), (halves[street],))
 
@@ -122,6 +123,9 @@ rm -r *.ply *-all *-without""", (logs[street],), (halves[street],))
                 score = read_json(folder / f"{model}.json")["models"][f"{model}-{log}"]
                 for column, key in GHOSTS.items():
                     yield f"{row}/{log}", column, [score[key]]
+        for name, score in read_json(folder / "default.json")["baselines"].items():
+            for column, key in GHOSTS.items():
+                yield name, column, [score[key]] if key in score else []
 
     def growing(log: str, seconds: float, models: tuple[str, ...]) -> Part:
         """A fit of the first seconds of a log, updated with the rest, beside one fit of all."""
@@ -133,15 +137,19 @@ underbrush fit b.ply --update first -o updated
 {whole}
 for m in {" ".join(models)}; do
   underbrush simulate $m --like "$test" -o $m.ply
-  underbrush score "$test" $m.ply --model $m --name $m --json $m.json
+  underbrush score "$test" $m.ply --model $m --name $m --train "$train" --json $m.json
 done
 rm -r *.ply {" ".join(models)}""", (logs[log],), (halves[log],))
 
         def cells(folder: typing.Any) -> typing.Iterator[tuple[str, str, list[float]]]:
-            for model in models:
-                score = read_json(folder / f"{model}.json")["models"][model]
-                for column in ("F1", "NLL/beam", "CRPS, m", "packet error, m"):
-                    yield f"{log}, {seconds} s/{model}", column, [score[GHOSTS[column]]]
+            scored = {model: read_json(folder / f"{model}.json") for model in models}
+            rows = {model: read["models"][model] for model, read in scored.items()}
+            if "whole" in models:  # The baselines of a log are the same in each of its parts.
+                rows.update((name, scored["whole"]["baselines"][name]) for name in BASELINES)
+            for row, score in rows.items():
+                for column, key in GHOSTS.items():
+                    if column != "cloud error, m":
+                        yield f"{log}, {seconds} s/{row}", column, [score[key]] if key in score else []
         return Part((job,), cells)
 
     every = ("first", "updated", "whole")

@@ -1,6 +1,6 @@
 """The tables of a drive in which things move: lists of objects, marked returns, and actors."""
 from . import matter
-from .common import HALVES, LOGS, study
+from .common import BASELINES, HALVES, LOGS, study
 from .jobs import Job, Measured, Part, read_json
 
 
@@ -66,7 +66,7 @@ for class in all Van Cyclist Pedestrian; do
   for kind in boxes.json actors; do
     underbrush simulate world --actors $kind --like $class.ply -o ${{kind%.json}}.ply
   done
-  underbrush score $class.ply ghosts.ply world.ply boxes.ply actors.ply --json $class.json
+  underbrush score $class.ply ghosts.ply world.ply boxes.ply actors.ply --train train.ply --json $class.json
   "$PYTHON" "$SOURCE/scripts/actor_pictures.py" $class.ply ghosts.ply actors.ply -o $class.png
 done
 underbrush actors test.ply --boxes "$boxes" $turned --marked others.ply
@@ -84,17 +84,18 @@ done
 rm -r *.ply ghosts world
 """, TRACKS_NEEDS)
 ACTOR_ROWS = {"ghosts": "ghosts in the world", "world": "left out", "boxes": "boxes", "actors": "actors"}
-ACTOR_SCORES = {"packet error, m": "packet_error_m", "capped error, m": "capped_error_m",
+ACTOR_SCORES = {"capped error, m": "capped_error_m", "informedness": "informedness", "packet error, m": "packet_error_m",
                 "recall of misses": "recall_of_misses", "precision of misses": "precision_of_misses",
                 "median range error, m": "median_range_error_m", "cloud error, m": "cloud_error_m"}
 
 
 def actors(folder):
     for group, row in (("all", "all"), ("Van", "vans"), ("Cyclist", "cyclist"), ("Pedestrian", "pedestrian")):
-        models = read_json(folder / f"{group}.json")["models"]
-        for model, words in ACTOR_ROWS.items():
+        read = read_json(folder / f"{group}.json")
+        for model, words in {**ACTOR_ROWS, **{name: name for name in BASELINES}}.items():
+            score = {**read["models"], **read["baselines"]}[model]
             for column, key in ACTOR_SCORES.items():
-                yield f"{row}/{words}", column, [models[model][key]]
+                yield f"{row}/{words}", column, [] if score.get(key) is None else [score[key]]
 
 
 #: The scores of all beams of the scans that were held out but those that end at an actor.

@@ -57,6 +57,10 @@ INNER_PARTS = [
       "studies/site_drive.": "logs of generated sites", "studies/static_scan.cpp": "logs of generated targets",
       "studies/mesh_fidelity_scan.cpp": "the study judges plants as triangles, not an instrument",
       "bench/site.hpp": "the log of a generated site", **tests_of("simulate/")}),
+    ("scenes are composed of extracted primitives", r"(?!)",
+     r"\bprimitives::(?:compose|extract)\b(?!\.)|\bnamespace (?:\w+ = )?(?:underbrush::)?primitives\b",
+     {**PIPELINE, "src/underbrush/primitives/": "they are extracted and composed here",
+      **tests_of("plant_meshes/", "pipeline/", "primitives/", "regions/")}),
     ("models are fitted", r"underbrush/(?:fit/(?:fit|fit_stages|fitters)|update/update)\.hpp",
      r"\b(?:fit::fit|begin_fit|end_fit|fitter_named|fitters|update::update)\b|"
      r"\bnamespace (?:\w+ = )?(?:underbrush::)?(?:fit|update)\b",

@@ -103,12 +103,22 @@ NamedSet primitives_named(const std::string& name, uint64_t seed) {
   return out;
 }
 
+primitives::Composition compose_scene(const primitives::Annotation& site,
+                                      const elements::Model& ground,
+                                      const primitives::PrimitiveSet& primitives,
+                                      const ComposeOptions& options,
+                                      const primitives::ComposeProgress& progress) {
+  const primitives::ComposeOptions placement = placement_of(options);
+  require_data(ground.ground.size() > 0, "compose: the model has no ground");
+  return primitives::compose(site, ground, primitives, placement, progress);
+}
+
 ComposedScene compose_scene(const std::string& annotation, NamedSet primitives,
                             const elements::Model* ground, const std::string& ground_folder,
                             const ComposeOptions& options,
                             const primitives::ComposeProgress& progress) {
   const auto start = std::chrono::steady_clock::now();
-  const primitives::ComposeOptions placement = placement_of(options);
+  check_options("compose", compose_options(), options);
   const primitives::Annotation site =
       primitives::read_annotation(annotation, options.allow_outside);
   ComposedScene out = begun(annotation, primitives, options);
@@ -120,8 +130,7 @@ ComposedScene compose_scene(const std::string& annotation, NamedSet primitives,
     out.inputs.push_back(from);
     ground = &read;
   }
-  require_data(ground->ground.size() > 0, "compose: the model has no ground");
-  out.composition = primitives::compose(site, *ground, primitives.set, placement, progress);
+  out.composition = compose_scene(site, *ground, primitives.set, options, progress);
   if (options.strict) require_all_placed(annotation, primitives.name, out.composition);
   out.seconds = composing_s(start);
   return out;

@@ -63,10 +63,19 @@ ComposedScene compose_parts(
     const std::function<std::string(const std::vector<std::filesystem::path>&)>& provenance,
     const primitives::ComposeProgress& progress = {});
 
-/// Composes a scene along the annotation in a file (`primitives::compose`). It stands on `ground`,
-/// or where that is null on the model in the folder `ground_folder`, or where that is empty on the
-/// annotation's. `progress(done, total)` may be empty. Throws `FormatError`, `DataError` and
-/// `std::invalid_argument`.
+/// Composes a scene along `site` on `ground` (`primitives::compose`). Of the options it takes those
+/// that are neither files nor `strict`. `progress(done, total)` may be empty. Throws `DataError`
+/// for a model without ground, and `std::invalid_argument` for options out of range.
+primitives::Composition compose_scene(const primitives::Annotation& site,
+                                      const elements::Model& ground,
+                                      const primitives::PrimitiveSet& primitives,
+                                      const ComposeOptions& options,
+                                      const primitives::ComposeProgress& progress = {});
+
+/// Composes a scene along the annotation in a file, as `compose_scene` of values does. It stands on
+/// `ground`, or where that is null on the model in the folder `ground_folder`, or where that is
+/// empty on the annotation's. `progress(done, total)` may be empty. Throws `FormatError`,
+/// `DataError` and `std::invalid_argument`.
 ComposedScene compose_scene(const std::string& annotation, NamedSet primitives,
                             const elements::Model* ground, const std::string& ground_folder,
                             const ComposeOptions& options,
