@@ -28,6 +28,11 @@ KEYS = {"packet error, m": "packet_error_m", "capped error, m": "capped_error_m"
         "NLL": "nll_per_beam", "CRPS": "crps_m"}
 
 
+def cell(score, key):
+    """The figure of a score, or none: baselines have no likelihood, and always hit has no precision of misses."""
+    return [] if score.get(key) is None else [score[key]]
+
+
 def study(name, options="", before="", **more):
     # A study whose verdict falls short exits 1, and its figures count all the same.
     return Job(f"study.{name}", f"{before}{STUDY} {name} {options} --json study.json || test -s study.json",

@@ -4,7 +4,7 @@ import dataclasses
 import math
 import typing
 
-from .common import BASELINES
+from .common import BASELINES, cell
 from .jobs import Job, Measured, Part, read_json
 
 SOURCES = ("default", "mesh", "mesh, carved", "look-up", "always hit")
@@ -12,8 +12,8 @@ FAULTS = ("no noise", "double noise", "bias of 1 cm", "mirror tilted by 0.5°")
 IMAGES = {"CD, m²": "chamfer_m2", "F": "f_score", "depth RMSE, m": "depth_rmse_m", "MedAE, m": "depth_median_m",
           "SSIM": "depth_ssim", "PSNR, dB": "depth_psnr", "drop RMSE": "drop_rmse", "drop accuracy": "drop_accuracy",
           "drop F1": "drop_f1"}
-GHOSTS = {"capped error, m": "capped_error_m", "informedness": "informedness", "packet error, m": "packet_error_m", "F1": "f1", "cloud error, m": "cloud_error_m",
-          "NLL/beam": "nll_per_beam", "CRPS, m": "crps_m"}
+GHOSTS = {"capped error, m": "capped_error_m", "informedness": "informedness", "packet error, m": "packet_error_m",
+          "F1": "f1", "cloud error, m": "cloud_error_m", "NLL/beam": "nll_per_beam", "CRPS, m": "crps_m"}
 
 
 def figures(folder: typing.Any) -> typing.Any:
@@ -125,7 +125,7 @@ rm -r *.ply *-all *-without""", (logs[street],), (halves[street],))
                     yield f"{row}/{log}", column, [score[key]]
         for name, score in read_json(folder / "default.json")["baselines"].items():
             for column, key in GHOSTS.items():
-                yield name, column, [score[key]] if key in score else []
+                yield name, column, cell(score, key)
 
     def growing(log: str, seconds: float, models: tuple[str, ...]) -> Part:
         """A fit of the first seconds of a log, updated with the rest, beside one fit of all."""
@@ -149,7 +149,7 @@ rm -r *.ply {" ".join(models)}""", (logs[log],), (halves[log],))
             for row, score in rows.items():
                 for column, key in GHOSTS.items():
                     if column != "cloud error, m":
-                        yield f"{log}, {seconds} s/{row}", column, [score[key]] if key in score else []
+                        yield f"{log}, {seconds} s/{row}", column, cell(score, key)
         return Part((job,), cells)
 
     every = ("first", "updated", "whole")

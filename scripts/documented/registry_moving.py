@@ -1,6 +1,6 @@
 """The tables of a drive in which things move: lists of objects, marked returns, and actors."""
 from . import matter
-from .common import BASELINES, HALVES, LOGS, study
+from .common import BASELINES, HALVES, LOGS, cell, study
 from .jobs import Job, Measured, Part, read_json
 
 
@@ -84,8 +84,9 @@ done
 rm -r *.ply ghosts world
 """, TRACKS_NEEDS)
 ACTOR_ROWS = {"ghosts": "ghosts in the world", "world": "left out", "boxes": "boxes", "actors": "actors"}
-ACTOR_SCORES = {"capped error, m": "capped_error_m", "informedness": "informedness", "packet error, m": "packet_error_m",
-                "recall of misses": "recall_of_misses", "precision of misses": "precision_of_misses",
+ACTOR_SCORES = {"capped error, m": "capped_error_m", "informedness": "informedness",
+                "packet error, m": "packet_error_m", "recall of misses": "recall_of_misses",
+                "precision of misses": "precision_of_misses",
                 "median range error, m": "median_range_error_m", "cloud error, m": "cloud_error_m"}
 
 
@@ -95,7 +96,7 @@ def actors(folder):
         for model, words in {**ACTOR_ROWS, **{name: name for name in BASELINES}}.items():
             score = {**read["models"], **read["baselines"]}[model]
             for column, key in ACTOR_SCORES.items():
-                yield f"{row}/{words}", column, [] if score.get(key) is None else [score[key]]
+                yield f"{row}/{words}", column, cell(score, key)
 
 
 #: The scores of all beams of the scans that were held out but those that end at an actor.
