@@ -65,6 +65,19 @@ TEST(HierarchicalClusters, OfFewOrEqualPointsIsClear) {
   EXPECT_EQ(hierarchical_clusters(many, {}, 1).count, 1u);
 }
 
+TEST(HierarchicalClusters, OfRepeatedPlacesAreNotSplitAndLeaveTheOthersTheirNumber) {
+  const std::vector<Vec3f> repeated = blobs(5, 8, 1000, 0.005);
+  std::vector<Vec3f> others = blobs(6, 20, 100, 1), points = repeated;
+  for (Vec3f& p : others) p.x() += 200;
+  points.insert(points.end(), others.begin(), others.end());
+  HierarchicalOptions options;
+  options.least_rms_m = 0.02;
+  const Clusters c = hierarchical_clusters(points, options, 7);
+  std::set<uint32_t> of_repeated(c.group.begin(), c.group.begin() + ptrdiff_t(repeated.size()));
+  EXPECT_EQ(of_repeated.size(), 8u);
+  EXPECT_NEAR(c.count - 8, 0.1 * double(others.size()), 3);
+}
+
 TEST(HierarchicalClusters, FindsTheFewAmongManyEqual) {
   std::vector<Vec3f> points(100000, Vec3f(1, 2, 3));
   std::fill_n(points.begin() + 777, 5, Vec3f(9, 2, 3));

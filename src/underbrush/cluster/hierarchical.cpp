@@ -178,6 +178,7 @@ Clusters hierarchical_clusters(std::span<const Vec3f> points, const Hierarchical
           "clusters_per_point must lie in (0, 1]");
   require(options.min_points >= 1, "min_points must be at least 1");
   require(options.branching >= 2 && options.branching <= 255, "branching must lie in [2, 255]");
+  const double least_squares = options.least_rms_m * options.least_rms_m;
   Clusters out;
   out.group.assign(points.size(), Clusters::kNone);
   if (points.size() < size_t(options.min_points)) return out;
@@ -189,24 +190,33 @@ Clusters hierarchical_clusters(std::span<const Vec3f> points, const Hierarchical
   std::vector<uint32_t> index(points.size());
   std::iota(index.begin(), index.end(), 0u);
   Splitter splitter(ordered, index, options, seed);
-  const size_t wanted =
-      std::max<size_t>(1, size_t(options.clusters_per_point * double(points.size()) + 0.5));
+  // The points of clusters that may be split, and the number of clusters that they call for.
+  size_t divisible = points.size();
+  const auto wanted = [&] {
+    return std::max<size_t>(1, size_t(options.clusters_per_point * double(divisible) + 0.5));
+  };
   std::priority_queue<Part> open;
-  std::vector<Part> done;
-  open.push({0, uint32_t(points.size()), sum_of_squares(ordered.data(), ordered.size())});
-  while (!open.empty() && open.size() + done.size() < wanted) {
+  std::vector<Part> done, small;
+  const auto add = [&](const Part& part) {
+    if (part.squares > least_squares * double(part.size())) return open.push(part);
+    small.push_back(part);
+    divisible -= part.size();
+  };
+  add({0, uint32_t(points.size()), sum_of_squares(ordered.data(), ordered.size())});
+  while (!open.empty() && open.size() + done.size() < wanted()) {
     const Part largest = open.top();
     open.pop();
-    const size_t room = wanted - open.size() - done.size();
+    const size_t room = wanted() - open.size() - done.size();
     const std::vector<Part> parts =
         splitter.split(largest, int(std::min<size_t>(room, size_t(options.branching))));
     if (parts.size() == 1) {
       done.push_back(largest);
     } else {
-      for (const Part& p : parts) open.push(p);
+      for (const Part& p : parts) add(p);
     }
   }
   for (; !open.empty(); open.pop()) done.push_back(open.top());
+  done.insert(done.end(), small.begin(), small.end());
   std::sort(done.begin(), done.end(),
             [](const Part& a, const Part& b) { return a.begin < b.begin; });
   for (const Part& part : done) {

@@ -38,7 +38,7 @@ struct FitOptions {
   std::string sensor, sensor_file;
   uint64_t seed = 1;
   double tau = 3;               ///< A beam meets an ellipsoid within this Mahalanobis distance.
-  double range_noise_m = 0.02;  ///< σ of the sensor's range, m: the least extent of any element.
+  double range_noise_m = 0.02;  ///< σ of the sensor's range, m.
   /// Returns nearer than this are left out (m), because they come from the vehicle that carries the
   /// sensor. The vehicle soon stands where its sensor was before, and an opaque model of it would
   /// enclose the sensor there.
@@ -57,11 +57,12 @@ struct FitOptions {
   /// `likelihood` only; 0 = none, so that unknown space counts as empty.
   double unknown_cell_m = 1;
   TileOptions tiles;
-  ground::SegmentOptions segment;
+  /// What rises more than 5 cm above the ground is better described by ellipsoids, which beams
+  /// pass.
+  ground::SegmentOptions segment{.lower_envelope = {.above_m = 0.05}, .spherical_variance = {}};
   ground::HeightGridOptions ground;
   ground::TriangulateOptions triangulate;
-  /// `fit` sets the floor of the covariances, and the noise of `top_down`, from the fields
-  /// above.
+  /// `fit` sets the least sizes, and the noise of `top_down`, from `range_noise_m`.
   cluster::VolumetricOptions volumetric;
   credit::CreditOptions credit;
   surface::SurfaceOptions surface;

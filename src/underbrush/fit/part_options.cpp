@@ -13,12 +13,12 @@ FitOptions start_options(FitOptions options) {
   return options;
 }
 
+double least_extent_m(const FitOptions& options) { return 0.25 * options.range_noise_m; }
+
 likelihood::LikelihoodOptions likelihood_options(const FitOptions& options) {
   likelihood::LikelihoodOptions out = options.likelihood;
   out.range_noise_m = options.range_noise_m;
-  // Along the normal of a surface seen at an angle of incidence of up to 60°, the noise of its
-  // points is half of the range's or more.
-  out.maximisation.floor_m = 0.5 * options.range_noise_m;
+  out.maximisation.floor_m = least_extent_m(options);
   out.held_out.seed = options.seed;
   return out;
 }

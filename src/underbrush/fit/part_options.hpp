@@ -9,6 +9,10 @@ namespace underbrush::fit {
 /// refine, its own.
 FitOptions start_options(FitOptions options);
 
+/// σ of the smallest element (m). What scatters less along beams of `range_noise_m` is a surface,
+/// and a larger σ would blur it; the range noise is added when a beam is simulated.
+double least_extent_m(const FitOptions& options);
+
 /// The options that `fit` passes to `refine`: `options.likelihood` with the range noise, the floor
 /// and the seed filled in.
 likelihood::LikelihoodOptions likelihood_options(const FitOptions& options);

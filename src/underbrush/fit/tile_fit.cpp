@@ -5,6 +5,7 @@
 
 #include "underbrush/core/rng.hpp"
 #include "underbrush/fit/gather.hpp"
+#include "underbrush/fit/part_options.hpp"
 #include "underbrush/ground/height_grid.hpp"
 
 namespace underbrush::fit {
@@ -12,7 +13,10 @@ namespace {
 
 cluster::VolumetricOptions volumetric_options(const FitOptions& options) {
   cluster::VolumetricOptions out = options.volumetric;
-  out.ellipsoid.floor_m = out.top_down.noise_m = options.range_noise_m;
+  out.top_down.noise_m = options.range_noise_m;
+  out.ellipsoid.floor_m = least_extent_m(options);
+  // Points within the radius of the smallest ellipsoid would make copies of it.
+  out.hierarchical.least_rms_m = std::sqrt(3) * least_extent_m(options);
   return out;
 }
 

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
@@ -238,24 +239,96 @@ PlaneGrid envelope(SortedTile& tile, const LowerEnvelopeOptions& o) {
   return grid;
 }
 
+/// The height of each point above the surface, along its normal, m.
+std::vector<float> heights_above(const PlaneGrid& surface, const std::vector<Vec3f>& points) {
+  std::vector<float> height(points.size());
+  parallel_for(points.size(), 1 << 14, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const Vec3f& p = points[i];
+      const PlaneGrid::Plane at = surface.at(p.x(), p.y());
+      height[i] = float((p.z() - at.h) / std::sqrt(1 + at.gx * at.gx + at.gy * at.gy));
+    }
+  });
+  return height;
+}
+
+/// Counts of the heights of points about the surface, in bins of 2.5 cm.
+class HeightHistogram {
+ public:
+  void add(float height_m) {
+    const float bin = std::floor((height_m - kLowestM) / kBinM);
+    if (bin >= 0 && bin < kBins) ++count_[size_t(bin)];
+  }
+
+  /// Whether the densest 10 cm near the surface are at least `least` times as dense as the 15 cm
+  /// above them.
+  bool has_layer(double least) const {
+    int densest = 0;
+    for (int b = 1; b + kLayerBins + kAboveBins <= kBins; ++b) {
+      if (sum(b, kLayerBins) > sum(densest, kLayerBins)) densest = b;
+    }
+    // Few points are no evidence against a layer.
+    constexpr double kPriorPoints = 4;
+    const double within = kPriorPoints + sum(densest, kLayerBins);
+    return within * kAboveBins >= least * sum(densest + kLayerBins, kAboveBins) * kLayerBins;
+  }
+
+ private:
+  static constexpr int kBins = 15, kLayerBins = 4, kAboveBins = 6;
+  static constexpr float kBinM = 0.025f, kLowestM = -0.1f;
+
+  double sum(int begin, int n) const {
+    return std::accumulate(&count_[size_t(begin)], &count_[size_t(begin)] + n, 0.0);
+  }
+
+  std::array<double, kBins> count_{};
+};
+
+/// Whether the points about each of the finest cells form a layer, as `LowerEnvelopeOptions::layer`
+/// demands.
+std::vector<uint8_t> layers(const SortedTile& tile, const std::vector<float>& height,
+                            double least) {
+  std::vector<uint8_t> out(tile.start.size() - 1);
+  const auto histogram_about = [&](int x, int y) {
+    HeightHistogram histogram;
+    const int u0 = std::max(0, x - 1), u1 = std::min(tile.nx - 1, x + 1);
+    for (int v = std::max(0, y - 1); v <= std::min(tile.ny - 1, y + 1); ++v) {
+      const size_t row = size_t(v) * tile.nx;
+      for (uint32_t i = tile.start[row + u0]; i < tile.start[row + u1 + 1]; ++i) {
+        histogram.add(height[i]);
+      }
+    }
+    return histogram;
+  };
+  parallel_for(size_t(tile.ny), 4, [&](size_t begin, size_t end) {
+    for (int y = int(begin); y < int(end); ++y) {
+      for (int x = 0; x < tile.nx; ++x) {
+        const size_t c = size_t(y) * tile.nx + x;
+        if (tile.start[c] < tile.start[c + 1]) out[c] = histogram_about(x, y).has_layer(least);
+      }
+    }
+  });
+  return out;
+}
+
 }  // namespace
 
 std::vector<uint8_t> lower_envelope(std::span<const Vec3f> points, const LowerEnvelopeOptions& o) {
   require(
-      o.cell_m > 0 && o.coarsest_m >= o.cell_m && o.slope > 0 && o.band_m > 0 && o.below_m > 0 &&
-          o.low_quantile >= 0 && o.low_quantile < 1,
+      o.cell_m > 0 && o.coarsest_m >= o.cell_m && o.slope > 0 && o.band_m > 0 && o.above_m > 0 &&
+          o.below_m > 0 && o.layer >= 0 && o.low_quantile >= 0 && o.low_quantile < 1,
       "lower envelope: parameters must be positive, coarsest_m at least cell_m, the quantile in "
       "[0, 1)");
   std::vector<uint8_t> ground(points.size());
   SortedTile tile = sort_by_cell(points, o.cell_m);
   if (tile.points.empty()) return ground;
-  const PlaneGrid surface = envelope(tile, o);
-  parallel_for(tile.points.size(), 1 << 14, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      const Vec3f& p = tile.points[i];
-      const PlaneGrid::Plane at = surface.at(p.x(), p.y());
-      const double r = (p.z() - at.h) / std::sqrt(1 + at.gx * at.gx + at.gy * at.gy);
-      ground[tile.source[i]] = r < o.band_m && r > -o.below_m;
+  const std::vector<float> height = heights_above(envelope(tile, o), tile.points);
+  const std::vector<uint8_t> is_layer = layers(tile, height, o.layer);
+  parallel_for(is_layer.size(), 1 << 10, [&](size_t begin, size_t end) {
+    for (size_t c = begin; c < end; ++c) {
+      for (uint32_t i = tile.start[c]; i < tile.start[c + 1]; ++i) {
+        ground[tile.source[i]] = is_layer[c] && height[i] < o.above_m && height[i] > -o.below_m;
+      }
     }
   });
   return ground;

@@ -43,9 +43,14 @@ struct LowerEnvelopeOptions {
   double low_quantile = 0.05;  ///< Quantile of a cell's heights that represents it; with few points
                                ///< it is the lowest.
   double slope = 0.5;          ///< Steepest rise of the first guess; steeper ground is still found.
-  double bend = 0.075;   ///< Tolerance s of a cell of side c: bend · c^1.5 (m), at least band_m.
-  double band_m = 0.15;  ///< m; ground is at most this far above the surface, along its normal.
-  double below_m = 0.4;  ///< m; ground is at most this far below the surface, along its normal.
+  double bend = 0.075;    ///< Tolerance s of a cell of side c: bend · c^1.5 (m), at least band_m.
+  double band_m = 0.15;   ///< m; least tolerance of the surface.
+  double above_m = 0.15;  ///< m; ground is at most this far above the surface, along its normal.
+  double below_m = 0.4;   ///< m; ground is at most this far below the surface, along its normal.
+  /// Ground is a layer: about a point of it, at most a cell away, the densest 10 cm near the
+  /// surface are at least this many times as dense in points as the 15 cm above them. Tall grass
+  /// and foliage without ground below have no layer. 0 = no such demand.
+  double layer = 3;
 };
 
 /// Flags as ground (1) the points in a band about the smooth lower envelope of a tile, others as 0.
@@ -58,7 +63,8 @@ struct LowerEnvelopeOptions {
 /// gain weight. Pits that no neighbour shares are left out. Time and memory grow with points + area
 /// / cell².
 ///
-/// Throws `std::invalid_argument` where a parameter is not positive or the tile exceeds 2²⁶ cells.
+/// Throws `std::invalid_argument` where a parameter is not positive (`layer`: negative) or the tile
+/// exceeds 2²⁶ cells.
 std::vector<uint8_t> lower_envelope(std::span<const Vec3f> points,
                                     const LowerEnvelopeOptions& options = {});
 
