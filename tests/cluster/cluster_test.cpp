@@ -105,8 +105,16 @@ TEST(EllipsoidsOf, HaveTheSampleMomentsAndAFloor) {
   double xx = 0;
   for (const Vec3f& p : points) xx += (p.x() - mean.x()) * (p.x() - mean.x()) / 999;
   EXPECT_NEAR(e[0].covariance[0], xx, 1e-5);
-  EXPECT_NEAR(e[0].covariance[5], 0.02 * 0.02, 1e-8);
+  EXPECT_NEAR(e[0].covariance[5], 0.005 * 0.005, 1e-8);
   EXPECT_LT((e[0].mean.cast<double>() - mean).norm(), 1e-5);
+}
+
+TEST(EllipsoidsOf, FloorFallsWithThePointsToAQuarter) {
+  const EllipsoidOptions options{0.02, 0};
+  for (const double few : {1.0, 3.0, 10.0}) EXPECT_EQ(options.floor_of(few), 0.02);
+  EXPECT_NEAR(options.floor_of(40), 0.01, 1e-12);
+  EXPECT_NEAR(options.floor_of(160), 0.005, 1e-12);
+  EXPECT_EQ(options.floor_of(1e9), 0.005);
 }
 
 // The ellipsoid of a single point gets the usual volume, while many points keep their own shape.

@@ -110,7 +110,7 @@ double mahalanobis(const elements::Ellipsoid& e, const Vec3f& x) {
 }
 
 void expect_sound(const Volumes& v, const VolumetricOptions& options) {
-  const double floor = options.ellipsoid.floor_m;
+  const double floor = options.ellipsoid.floor_of(1e9);
   for (const auto& e : v.ellipsoids) {
     ASSERT_TRUE(e.mean.allFinite());
     const Mat3 sigma = e.covariance_matrix();
@@ -266,7 +266,7 @@ TEST_P(Volumetric, DegenerateTilesAreSound) {
   const Volumes v = fitted(same);
   ASSERT_EQ(v.ellipsoids.size(), 1u);
   EXPECT_LT((v.ellipsoids[0].mean - Vec3f(1, 2, 3)).norm(), 1e-6);
-  const double floor = c().options.ellipsoid.floor_m;
+  const double floor = c().options.ellipsoid.floor_of(double(same.point.size()));
   EXPECT_NEAR(v.ellipsoids[0].covariance[0], floor * floor, 1e-6);
 }
 

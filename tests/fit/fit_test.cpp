@@ -71,7 +71,6 @@ TEST(Fit, AWallIsAsThinAsItsNoise) {
   const BeamLog log = scan_of_a_wall(20000, 1, 0.002);
   MemorySource source(log);
   FitOptions options;
-  options.fitter = "hierarchical";
   options.segment.method = "none";
   const elements::Model model = fit(source, options).model;
   ASSERT_GT(model.ellipsoids.size(), 1000u);

@@ -29,6 +29,11 @@ void PointMoments::add(const PointMoments& other) {
   squares += other.squares;
 }
 
+double EllipsoidOptions::floor_of(double n) const {
+  constexpr double kFew = 10;
+  return floor_m * std::clamp(std::sqrt(kFew / n), 0.25, 1.0);
+}
+
 void TypicalVariance::add(double n, const Mat3& scatter) {
   constexpr double kEnough = 5;
   if (n < kEnough) return;
@@ -69,7 +74,7 @@ std::vector<elements::Ellipsoid> ellipsoids_of(std::span<const Vec3f> points,
     elements::Ellipsoid e;
     e.mean = c.mean.cast<float>();
     const Mat3 sigma = weight > 0 ? Mat3((c.scatter + prior) / weight) : Mat3::Zero();
-    e.set_covariance(elements::floored_covariance(sigma, options.floor_m));
+    e.set_covariance(elements::floored_covariance(sigma, options.floor_of(c.n)));
     out.push_back(e);
   }
   return out;

@@ -37,11 +37,17 @@ struct PointMoments {
 
 /// Options for turning a cluster into an ellipsoid.
 struct EllipsoidOptions {
-  /// Least standard deviation in any direction, m: the sensor's range noise.
+  /// Least standard deviation of an ellipsoid of few points in any direction, m: the sensor's range
+  /// noise.
   double floor_m = 0.02;
   /// Weight of the prior covariance, in points; 0 uses none. The prior is a sphere of the usual
   /// size: its log-volume is the mean over all clusters of the call with at least 5 points.
   double prior_points = 1;
+
+  /// Least standard deviation of an ellipsoid of n points, m. What 10 points or fewer leave open,
+  /// as the space between them, is `floor_m` wide; many points show how thin matter is. It falls as
+  /// 1/√n, to a quarter of `floor_m`.
+  double floor_of(double n) const;
 };
 
 /// An average of covariances: the variance of a sphere whose log-volume is the mean over clusters
@@ -61,7 +67,7 @@ class TypicalVariance {
 
 /// Makes one ellipsoid for each cluster, in the order of the clusters. μ is the mean and Σ =
 /// (scatter + ν σ² I) / (n − 1 + ν), with ν = `prior_points` and σ² the `TypicalVariance` of all
-/// clusters; then `floor_m` is applied. ν = 0 gives the sample moments. `points` are in metres;
+/// clusters; then `floor_of` is applied. ν = 0 gives the sample moments. `points` are in metres;
 /// p_hit is left at 1.
 std::vector<elements::Ellipsoid> ellipsoids_of(std::span<const Vec3f> points,
                                                const Clusters& clusters,

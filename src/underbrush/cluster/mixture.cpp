@@ -189,7 +189,7 @@ void maximise(std::span<const Shares> shares, const EllipsoidOptions& options,
     if (s.n() > kNone) {
       const Mat3 sigma = (s.scatter() + prior) / (s.n() + options.prior_points);
       c = {s.n(), (c.mean + s.mean()).cast<float>().cast<double>(),
-           elements::floored_covariance(sigma, options.floor_m)};
+           elements::floored_covariance(sigma, options.floor_of(s.n()))};
     } else {
       c.points = kNone;
     }

@@ -9,8 +9,8 @@ namespace underbrush::fit {
 /// refine, its own.
 FitOptions start_options(FitOptions options);
 
-/// σ of the smallest element (m). What scatters less along beams of `range_noise_m` is a surface,
-/// and a larger σ would blur it; the range noise is added when a beam is simulated.
+/// σ of the smallest element (m): a larger one would blur surfaces, and the range noise is added
+/// when a beam is answered.
 double least_extent_m(const FitOptions& options);
 
 /// The options that `fit` passes to `refine`: `options.likelihood` with the range noise, the floor

@@ -13,8 +13,7 @@ namespace {
 
 cluster::VolumetricOptions volumetric_options(const FitOptions& options) {
   cluster::VolumetricOptions out = options.volumetric;
-  out.top_down.noise_m = options.range_noise_m;
-  out.ellipsoid.floor_m = least_extent_m(options);
+  out.ellipsoid.floor_m = out.top_down.noise_m = options.range_noise_m;
   // Points within the radius of the smallest ellipsoid would make copies of it.
   out.hierarchical.least_rms_m = std::sqrt(3) * least_extent_m(options);
   return out;
