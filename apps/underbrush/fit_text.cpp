@@ -89,6 +89,10 @@ std::string text_of(const pipeline::FittedModel& fitted, const pipeline::Skipped
   text += left_out(r.mover_points, "returns of movers") +
           left_out(r.near_points, "points near the sensor");
   if (r.thinned_points) text += line("left", "out    {} points of full tiles", r.thinned_points);
+  if (r.sway.stands) {
+    text += line("noise", "{:.1f} mm of the range, by repeated directions or --range-noise",
+                 1e3 * r.range_noise_m);
+  }
   text += text_of_grain(model, r.grain) + text_of_sway(model, r.sway) +
           report::text_of_light(model) + text_of_keyframes(model);
   if (r.echo_grain.learnt) {

@@ -51,5 +51,27 @@ TEST(FlooredCovariance, RaisesOnlyTheEigenvaluesBelowTheFloor) {
   EXPECT_TRUE(floored_covariance(Mat3::Zero(), 0.1).isApprox(0.01 * Mat3::Identity()));
 }
 
+// Both hold: no variance is below that of either matrix, and where one is the greater in all
+// directions, it is the result.
+TEST(FlooredCovariance, IsBelowNeitherMatrixInAnyDirection) {
+  Stream random(5);
+  for (int i = 0; i < 200; ++i) {
+    const Mat3 sigma = trace::random_covariance(random, 0.001, 1);
+    const Mat3 least = trace::random_covariance(random, 0.001, 1);
+    const Mat3 out = floored_covariance(sigma, least);
+    for (int k = 0; k < 50; ++k) {
+      const Vec3 n(random.normal(), random.normal(), random.normal());
+      const double variance = n.dot(out * n) * (1 + 1e-6);
+      EXPECT_GE(variance, n.dot(sigma * n));
+      EXPECT_GE(variance, n.dot(least * n));
+    }
+    EXPECT_TRUE(floored_covariance(sigma, Mat3(0.5 * sigma)).isApprox(sigma, 1e-9));
+    EXPECT_TRUE(floored_covariance(Mat3(0.5 * sigma), sigma).isApprox(sigma, 1e-6));
+  }
+  // In the plane of two crossing discs the result is no wider than both together.
+  const Mat3 flat = Vec3(1, 1, 0.01).asDiagonal(), tall = Vec3(1, 0.01, 1).asDiagonal();
+  EXPECT_TRUE(floored_covariance(flat, tall).isApprox(Mat3::Identity(), 1e-9));
+}
+
 }  // namespace
 }  // namespace underbrush::elements

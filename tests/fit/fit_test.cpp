@@ -49,50 +49,6 @@ TEST(Fit, HybridFindsGroundAndTellsThePermeableBushFromTheDenseOne) {
   EXPECT_GT(dense, thin + 0.1);
 }
 
-/// A scan of a wall at y = 10 m from the origin with the given noise of the range (m), in which
-/// each of `directions` beams is fired `repeats` times.
-BeamLog scan_of_a_wall(int directions, int repeats, double noise_m) {
-  Stream random(13);
-  BeamLog log;
-  log.info.has_misses = true;
-  log.resize(size_t(directions) * size_t(repeats));
-  for (int d = 0; d < directions; ++d) {
-    const Vec3 to(random.uniform(-4, 4), 10, random.uniform(0.5, 4));
-    for (size_t i = size_t(d) * repeats; i < size_t(d + 1) * repeats; ++i) {
-      log.direction[i] = to.normalized().cast<float>();
-      log.range_m[i] = float(to.norm() + noise_m * random.normal());
-      log.time_s[i] = 1e-4 * double(i);
-    }
-  }
-  return log;
-}
-
-TEST(Fit, AWallIsAsThinAsItsNoise) {
-  const BeamLog log = scan_of_a_wall(20000, 1, 0.002);
-  MemorySource source(log);
-  FitOptions options;
-  options.segment.method = "none";
-  const elements::Model model = fit(source, options).model;
-  ASSERT_GT(model.ellipsoids.size(), 1000u);
-  std::vector<double> thickness;
-  for (const elements::Ellipsoid& e : model.ellipsoids) {
-    const Eigen::SelfAdjointEigenSolver<Mat3> axes(e.covariance_matrix());
-    thickness.push_back(std::sqrt(axes.eigenvalues()[0]));
-  }
-  std::nth_element(thickness.begin(), thickness.begin() + ptrdiff_t(thickness.size() / 2),
-                   thickness.end());
-  EXPECT_LT(thickness[thickness.size() / 2], 0.008);
-}
-
-TEST(Fit, RepeatedDirectionsMakeNoCopiesOfAnElement) {
-  const BeamLog log = scan_of_a_wall(60, 200, 0.002);
-  MemorySource source(log);
-  FitOptions options;
-  options.fitter = "hierarchical";
-  options.segment.method = "none";
-  EXPECT_LE(fit(source, options).model.ellipsoids.size(), 60u);
-}
-
 TEST(Fit, GivesTheSameBitsForAnyThreadsAndChunks) {
   const BeamLog log = test::drive_past_two_bushes(2, Vec3::Zero(), 15000);
   for (const std::string& fitter : fitter_names()) {

@@ -40,7 +40,9 @@ TEST(Keyframes, AStandingSensorRepeatsItself) {
   EXPECT_EQ(with.keyframes->frames.size(), 5u);
   const BeamLog test = scanned({0, 0}, 100);
   const metrics::Summary a = scored(without, test), b = scored(with, test);
-  EXPECT_LT(b.nll_per_beam, a.nll_per_beam - 0.07);
+  // The model without them knows the noise of the sensor, which repeats its directions.
+  EXPECT_LT(a.nll_per_beam, -1.8);
+  EXPECT_LT(b.nll_per_beam, a.nll_per_beam - 0.03);
   EXPECT_LT(b.packet_error_m, 0.85 * a.packet_error_m);
   EXPECT_GT(b.f1, a.f1);
 }
@@ -169,8 +171,8 @@ TEST(Keyframes, RingsAreSmoothWhereMatterIsDrawnOnce) {
     return score.roughness_m / score.real_roughness_m;
   };
   const double once = roughness(trace::Draws::kOnce), anew = roughness(trace::Draws::kAnew);
-  EXPECT_LT(once, 1.3);
-  EXPECT_LT(once, 0.85 * anew);
+  EXPECT_NEAR(once, 1, 0.1);
+  EXPECT_LT(once, 0.92 * anew);
 }
 
 // The median answers without a draw from the same mixture.

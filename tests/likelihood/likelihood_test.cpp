@@ -92,6 +92,26 @@ TEST(Likelihood, TheLastRoundsOfALongLogTakeAllBeamsAndEarlierOnesAQuarterEach) 
   EXPECT_TRUE(share_of_round(credit::kLongLog - 1, 0, 5).is_all());
 }
 
+TEST(Likelihood, EllipsoidsFillTheSpaceThatIsLeftOpen) {
+  const BeamLog log = log_of(known_model(), 12, 20000);
+  MemorySource source(log);
+  const elements::Model start = wrong_start();
+  RefinementLimits limits;
+  limits.open.assign(start.ellipsoids.size(), Eigen::Vector3f(0.04f, 0, 2).asDiagonal());
+  LikelihoodOptions options;
+  options.rounds = 10;
+  const elements::Model free = refine(start, source, options).model;
+  const elements::Model wide = refine(start, source, options, {}, limits).model;
+  for (size_t k = 0; k < wide.ellipsoids.size(); ++k) {
+    const Mat3 sigma = wide.ellipsoids[k].covariance_matrix();
+    EXPECT_GE(sigma(0, 0), 0.04 * (1 - 1e-5)) << k;
+    EXPECT_GE(sigma(2, 2), 2 * (1 - 1e-5)) << k;
+    EXPECT_LT(free.ellipsoids[k].covariance_matrix()(2, 2), 1) << k;
+  }
+  limits.open.pop_back();
+  EXPECT_THROW(refine(start, source, options, {}, limits), std::invalid_argument);
+}
+
 TEST(Likelihood, RecoversAKnownModelFromItsBeams) {
   const elements::Model truth = known_model();
   const BeamLog log = log_of(truth, 11, 150000);

@@ -27,9 +27,8 @@ struct SwayReport {
 /// 25 % more than a simulation with still matter does. T is the time with which the simulation
 /// differs as much as the log, and at least the time from scan to scan. What the sensor's own
 /// scatter does to a direction, such as the play of its encoder, counts as motion of the matter.
-/// Otherwise `sway_s` becomes 0. Only beams that end on ellipsoids count, at least 500 pairs of
-/// them. Reads the log up to the last of the scans that are compared and keeps up to 120 000 beams.
-/// A log without such scans is not read, unless it does not list its scans.
+/// Otherwise `sway_s` becomes 0. Only beams that end on ellipsoids count, at least `kLeastPairs` of
+/// `repeats_of` the log.
 SwayReport learn_sway(elements::Model& model, BeamSource& log, uint64_t seed);
 
 }  // namespace underbrush::calibrate

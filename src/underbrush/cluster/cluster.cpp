@@ -31,7 +31,7 @@ void PointMoments::add(const PointMoments& other) {
 
 double EllipsoidOptions::floor_of(double n) const {
   constexpr double kFew = 10;
-  return floor_m * std::clamp(std::sqrt(kFew / n), 0.25, 1.0);
+  return std::clamp(floor_m * std::sqrt(kFew / n), least_m(), floor_m);
 }
 
 void TypicalVariance::add(double n, const Mat3& scatter) {

@@ -44,10 +44,11 @@ struct EllipsoidOptions {
   /// size: its log-volume is the mean over all clusters of the call with at least 5 points.
   double prior_points = 1;
 
-  /// Least standard deviation of an ellipsoid of n points, m. What 10 points or fewer leave open,
-  /// as the space between them, is `floor_m` wide; many points show how thin matter is. It falls as
-  /// 1/√n, to a quarter of `floor_m`.
+  /// Least standard deviation of an ellipsoid of n points, m: `floor_m` for 10 points or fewer,
+  /// which hardly show how thin matter is. It falls as 1/√n, to `least_m`.
   double floor_of(double n) const;
+  /// Least standard deviation of an ellipsoid of many points, m: a quarter of `floor_m`.
+  double least_m() const { return 0.25 * floor_m; }
 };
 
 /// An average of covariances: the variance of a sphere whose log-volume is the mean over clusters

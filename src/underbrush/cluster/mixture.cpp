@@ -201,12 +201,13 @@ void maximise(std::span<const Shares> shares, const EllipsoidOptions& options,
 std::vector<elements::Ellipsoid> mixture(std::span<const Vec3f> points,
                                          std::span<const Vec3f> to_sensor, const Clusters& clusters,
                                          const EllipsoidOptions& ellipsoid,
-                                         const MixtureOptions& options) {
+                                         const MixtureOptions& options, std::vector<bool>* kept) {
   require(to_sensor.size() == points.size(), "mixture: as many directions as points are needed");
   require(options.rounds >= 0, "mixture: the number of rounds must not be negative");
   require(options.shared_by >= 1 && size_t(options.shared_by) <= kMostShares,
           "mixture: a point is shared by 1 to 8 ellipsoids");
   std::vector<elements::Ellipsoid> out = ellipsoids_of(points, clusters, ellipsoid);
+  if (kept) kept->assign(out.size(), true);
   if (out.empty() || options.rounds == 0) return out;
   require(out.size() == clusters.count, "mixture: a cluster has no points");
   const auto [order, start] = ByCluster(clusters);
@@ -245,8 +246,12 @@ std::vector<elements::Ellipsoid> mixture(std::span<const Vec3f> points,
     maximise(shares, ellipsoid, components);
   }
   out.clear();
-  for (const Component& c : components) {
-    if (c.points < options.least_points) continue;
+  for (size_t j = 0; j < components.size(); ++j) {
+    const Component& c = components[j];
+    if (c.points < options.least_points) {
+      if (kept) (*kept)[j] = false;
+      continue;
+    }
     elements::Ellipsoid& e = out.emplace_back();
     e.mean = c.mean.cast<float>();
     e.set_covariance(c.sigma);

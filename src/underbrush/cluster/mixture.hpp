@@ -32,10 +32,12 @@ struct MixtureOptions {
 ///
 /// `points` are in metres; `to_sensor` (m) leads from each point to where it was seen from. Σ is
 /// completed and floored as `ellipsoids_of` does, with n + ν in place of n − 1 + ν. p_hit is left
-/// at 1. Throws `std::invalid_argument` for options out of range.
+/// at 1. Components that lose their points are left out; `kept`, unless null, receives for each
+/// cluster whether its component stays. Throws `std::invalid_argument` for options out of range.
 std::vector<elements::Ellipsoid> mixture(std::span<const Vec3f> points,
                                          std::span<const Vec3f> to_sensor, const Clusters& clusters,
                                          const EllipsoidOptions& ellipsoid,
-                                         const MixtureOptions& options);
+                                         const MixtureOptions& options,
+                                         std::vector<bool>* kept = nullptr);
 
 }  // namespace underbrush::cluster

@@ -52,10 +52,30 @@ Volumes volumes(std::string_view name, const VolumetricPoints& points,
                 const VolumetricOptions& options, uint64_t seed) {
   const Clustering& clustering = known(name);
   const Clusters clusters = clustering.clusters(points, options, seed);
-  return {clustering.mixture ? mixture(points.point, points.to_sensor, clusters, options.ellipsoid,
-                                       options.mixture)
-                             : ellipsoids_of(points.point, clusters, options.ellipsoid),
-          size_t(std::count(clusters.group.begin(), clusters.group.end(), Clusters::kNone))};
+  Volumes out;
+  std::vector<bool> kept;
+  if (clustering.mixture) {
+    out.ellipsoids = mixture(points.point, points.to_sensor, clusters, options.ellipsoid,
+                             options.mixture, &kept);
+  } else {
+    out.ellipsoids = ellipsoids_of(points.point, clusters, options.ellipsoid);
+    kept.assign(out.ellipsoids.size(), true);
+  }
+  out.unclustered_points =
+      size_t(std::count(clusters.group.begin(), clusters.group.end(), Clusters::kNone));
+  if (options.spacing == BeamSpacing()) return out;
+  const std::vector<Eigen::Matrix3f> open =
+      open_covariances(points.point, points.to_sensor, clusters, options.spacing);
+  for (size_t c = 0; c < open.size(); ++c) {
+    if (kept[c]) out.open.push_back(open[c]);
+  }
+  const double least = options.ellipsoid.least_m();
+  for (size_t k = 0; k < out.open.size(); ++k) {
+    elements::Ellipsoid& e = out.ellipsoids[k];
+    e.set_covariance(elements::floored_covariance(
+        e.covariance_matrix(), out.open[k].cast<double>() + least * least * Mat3::Identity()));
+  }
+  return out;
 }
 
 }  // namespace underbrush::cluster

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "underbrush/cluster/beam_spacing.hpp"
 #include "underbrush/cluster/bottom_up.hpp"
 #include "underbrush/cluster/hierarchical.hpp"
 #include "underbrush/cluster/mixture.hpp"
@@ -23,6 +24,8 @@ struct VolumetricOptions {
   VoxelOptions voxel;
   TopDownOptions top_down;
   BottomUpOptions bottom_up;
+  /// The spacing of the beams, where ellipsoids fill the space between them (`open_covariances`).
+  BeamSpacing spacing;
 };
 
 /// Points that are not ground, and the directions from which they were seen.
@@ -52,6 +55,8 @@ Clusters clusters_of(std::string_view name, const VolumetricPoints& points,
 /// The ellipsoids of a tile.
 struct Volumes {
   std::vector<elements::Ellipsoid> ellipsoids;
+  /// The `open_covariances` of the ellipsoids, m², where the options have a spacing, or none.
+  std::vector<Eigen::Matrix3f> open;
   size_t unclustered_points = 0;  ///< Points in no cluster.
 };
 

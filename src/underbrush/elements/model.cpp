@@ -195,18 +195,31 @@ void Model::check() const {
   }
 }
 
+/// Whether a symmetric matrix is positive definite, by Sylvester's criterion.
+static bool is_positive(const Mat3& m) {
+  return m(0, 0) > 0 && m.topLeftCorner<2, 2>().determinant() > 0 && m.determinant() > 0;
+}
+
 Mat3 floored_covariance(const Mat3& sigma, double floor_m) {
-  Mat3 symmetric = 0.5 * (sigma + sigma.transpose());
-  const Mat3 above = symmetric - floor_m * floor_m * Mat3::Identity();
-  // By Sylvester's criterion no eigenvalue lies below the floor.
-  if (above(0, 0) > 0 && above.topLeftCorner<2, 2>().determinant() > 0 && above.determinant() > 0) {
-    return symmetric;
-  }
+  const Mat3 symmetric = 0.5 * (sigma + sigma.transpose());
+  const double least = floor_m * floor_m;
+  if (is_positive(symmetric - least * Mat3::Identity())) return symmetric;
   Eigen::SelfAdjointEigenSolver<Mat3> eigen;
   eigen.computeDirect(symmetric);
-  const Vec3 values = eigen.eigenvalues().cwiseMax(floor_m * floor_m);
   const Mat3& v = eigen.eigenvectors();
-  const Mat3 out = v * values.asDiagonal() * v.transpose();
+  const Mat3 out = v * eigen.eigenvalues().cwiseMax(least).asDiagonal() * v.transpose();
+  return 0.5 * (out + out.transpose());
+}
+
+Mat3 floored_covariance(const Mat3& sigma, const Mat3& least) {
+  const Mat3 symmetric = 0.5 * (sigma + sigma.transpose());
+  if (is_positive(symmetric - least)) return symmetric;
+  const Mat3 root = Eigen::LLT<Mat3>(least).matrixL(), whiten = root.inverse();
+  const Mat3 whitened = whiten * symmetric * whiten.transpose();
+  Eigen::SelfAdjointEigenSolver<Mat3> eigen;
+  eigen.computeDirect(0.5 * (whitened + whitened.transpose()));
+  const Mat3 v = root * eigen.eigenvectors();
+  const Mat3 out = v * eigen.eigenvalues().cwiseMax(1).asDiagonal() * v.transpose();
   return 0.5 * (out + out.transpose());
 }
 

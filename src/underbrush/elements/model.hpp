@@ -192,6 +192,9 @@ struct Model {
 /// noise of the sensor, below which no extent can be measured; flat or thin elements and those of
 /// few points reach it. The result is symmetric if `sigma` is.
 Mat3 floored_covariance(const Mat3& sigma, double floor_m);
+/// Returns the covariance with its eigenvalues raised to at least 1 in the frame in which `least`,
+/// which is positive definite, is the unit sphere. So no variance is below that of `least`.
+Mat3 floored_covariance(const Mat3& sigma, const Mat3& least);
 
 }  // namespace elements
 }  // namespace underbrush

@@ -26,7 +26,7 @@ FitResult fit_ellipsoids(BeamSource& source, const FitOptions& options,
   for (size_t k = 0; k < tally.times.size(); ++k) {
     stays.push_back(!is_free_space(options, out.model.ellipsoids[k].hit, tally.times[k]));
   }
-  keep_ellipsoids(stays, out.model, out.record);
+  keep_ellipsoids(stays, out);
   out.report.free_space_ellipsoids = size_t(std::count(stays.begin(), stays.end(), false));
   return out;
 }

@@ -37,8 +37,10 @@ struct FitOptions {
   /// names.
   std::string sensor, sensor_file;
   uint64_t seed = 1;
-  double tau = 3;               ///< A beam meets an ellipsoid within this Mahalanobis distance.
-  double range_noise_m = 0.02;  ///< σ of the sensor's range, m.
+  double tau = 3;  ///< A beam meets an ellipsoid within this Mahalanobis distance.
+  /// σ of the sensor's range, m. Where a sensor that stands still shows less, `fit` takes that
+  /// (`calibrate::range_noise_of`).
+  double range_noise_m = 0.02;
   /// Returns nearer than this are left out (m), because they come from the vehicle that carries the
   /// sensor. The vehicle soon stands where its sensor was before, and an opaque model of it would
   /// enclose the sensor there.

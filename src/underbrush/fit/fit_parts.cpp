@@ -1,9 +1,12 @@
 #include "underbrush/fit/fit_parts.hpp"
 
+#include <algorithm>
+
 #include "underbrush/calibrate/channels.hpp"
 #include "underbrush/calibrate/leaf_angles.hpp"
 #include "underbrush/calibrate/light.hpp"
 #include "underbrush/calibrate/observed_space.hpp"
+#include "underbrush/calibrate/repeats.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/still_beams.hpp"
 #include "underbrush/credit/element_classes.hpp"
@@ -21,9 +24,11 @@ constexpr size_t kKeptBytes = size_t(3) << 27;
 /// Makes the model that `likelihood` starts from, fitted to the beams that are not held out.
 FitResult start_model(BeamSource& source, const FitOptions& options,
                       const credit::HeldOut& held_out, const FitProgress& progress) {
-  if (elements::is_model(options.start)) return {elements::read_model(options.start), {}, {}};
+  if (elements::is_model(options.start)) return {elements::read_model(options.start), {}, {}, {}};
   credit::TrainingSource training(source, held_out);
-  return start_of(options).fit(training, start_options(options), progress);
+  FitOptions start = start_options(options);
+  start.volumetric.spacing = cluster::beam_spacing(training);
+  return start_of(options).fit(training, start, progress);
 }
 
 void warn_of_footprint(const FitOptions& options, std::string_view clustering, FitReport& report) {
@@ -73,6 +78,13 @@ ChannelOffsets offsets_of(FitBeams& beams, const FitOptions& options) {
   channels.min_range_m = options.min_range_m;
   StillBeams still(beams.ends);
   return calibrate::learn_offsets(still, channels);
+}
+
+FitOptions with_measured_noise(FitOptions options, FitBeams& beams) {
+  StillBeams still(beams.first);
+  const auto measured = calibrate::range_noise_of(calibrate::repeats_of(still, options.seed));
+  if (measured) options.range_noise_m = std::min(options.range_noise_m, *measured);
+  return options;
 }
 
 const Fitter& checked_fitter(const FitOptions& options) {

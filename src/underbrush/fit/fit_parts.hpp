@@ -22,6 +22,9 @@ struct FitBeams {
 /// Finds the fitter of the options. Throws `std::invalid_argument` for options out of range.
 const Fitter& checked_fitter(const FitOptions& options);
 
+/// The options with the range noise that repeated directions of the log show, if that is less.
+FitOptions with_measured_noise(FitOptions options, FitBeams& beams);
+
 /// Learns the range offsets of the channels.
 ChannelOffsets offsets_of(FitBeams& beams, const FitOptions& options);
 

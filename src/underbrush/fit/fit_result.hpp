@@ -28,6 +28,9 @@ struct FitReport {
   size_t unclustered_points = 0;     ///< Points in no cluster of at least `min_points`.
   size_t free_space_ellipsoids = 0;  ///< Ellipsoids dropped as free space.
   size_t tiles = 0;
+  /// m; σ of the sensor's range of which the fit made use: that of the options, or less if a sensor
+  /// that stands still showed less (`calibrate::range_noise_of`).
+  double range_noise_m = 0;
   likelihood::LikelihoodReport likelihood;  ///< Has steps only if the fitter is `likelihood`.
   calibrate::GrainReport grain;
   calibrate::LeafAngleReport leaf_angles;
@@ -41,6 +44,9 @@ struct FitResult {
   elements::Model model;
   FitReport report;
   FitRecord record;
+  /// m²; `cluster::open_covariances` of the ellipsoids, zero for those that an update keeps; empty
+  /// where the clustering was not told the spacing of the beams.
+  std::vector<Eigen::Matrix3f> open;
 };
 
 /// Receives the progress of a fit: the name of the stage, the work done and the total.

@@ -123,7 +123,7 @@ std::span<const Parameter> parameters() {
      "misses), is below this",
      [](Options& o) -> auto& { return o.free_space_below; },
       0, 1}, kHelpAll, TuningRange{0, 0.5, kLinear, kIfNamed}},
-    {{"range-noise", kCommon, "m", "The sensor's range noise",
+    {{"range-noise", kCommon, "m", "The sensor's range noise, at most",
      [](Options& o) -> auto& { return o.range_noise_m; },
       1e-5, 2}, kHelp, TuningRange{0.005, 0.2, kLog, kIfNamed}},
     {{"triangle-prior-hits", kHitProbability, "", "Prior hits of a triangle; likelihood has 10",

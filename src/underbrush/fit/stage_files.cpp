@@ -23,7 +23,7 @@ using likelihood::PassSums;
 using likelihood::Refinement;
 
 constexpr const char *kModel = "model", *kRefinement = "refinement.json", *kStart = "start",
-                     *kReport = "start.json", *kHeldOut = "held_out.bin";
+                     *kReport = "start.json", *kHeldOut = "held_out.bin", *kOpen = "open.bin";
 constexpr const char* kFormat = "underbrush-fit-stage";
 constexpr std::string_view kSumsHead = "underbrush-sums 1\n";
 
@@ -45,6 +45,7 @@ constexpr std::pair<const char*, size_t FitReport::*> kCounts[] = {
 Json json_of(const FitReport& r) {
   Json j;
   for (const auto& [name, count] : kCounts) j["counts"][name] = r.*count;
+  j["range_noise_m"] = r.range_noise_m;
   j["warnings"] = r.warnings;
   const calibrate::LeafAngleReport& leaves = r.leaf_angles;
   j["leaf_angles"] = {{"cells", leaves.cells},
@@ -59,6 +60,7 @@ FitReport report_of(const JsonValue& j) {
   FitReport r;
   const JsonValue counts = j.at("counts"), leaves = j.at("leaf_angles");
   for (const auto& [name, count] : kCounts) r.*count = counts.at(name).count();
+  r.range_noise_m = j.at("range_noise_m").number();
   for (const JsonValue& warning : j.at("warnings").values()) r.warnings.push_back(warning.text());
   r.leaf_angles = {leaves.at("cells").count(), leaves.at("hits").count(), leaves.at("chi").number(),
                    leaves.at("deviation").number(), leaves.at("used").boolean()};
@@ -103,6 +105,20 @@ likelihood::LikelihoodStep step_of(const JsonValue& j) {
 void put_refinement(const fs::path& folder, const Refinement& r) {
   elements::write_model(folder / kModel, r.best->model);
   write_file(folder / kRefinement, io::text_of_json(json_of(r), 1) + "\n");
+}
+
+template <class Row>
+void put_rows(const fs::path& file, const std::vector<Row>& rows) {
+  write_file(file, {reinterpret_cast<const char*>(rows.data()), rows.size() * sizeof(Row)});
+}
+
+template <class Row>
+std::vector<Row> rows_of(const fs::path& file) {
+  const InputFile bytes(file);
+  if (bytes.size() % sizeof(Row) != 0) throw FormatError(bytes.name(), "", "ends too early");
+  std::vector<Row> rows(bytes.size() / sizeof(Row));
+  bytes.read(0, rows.data(), bytes.size());
+  return rows;
 }
 
 /// Appends the rows of elements that have sums, each after the element's number.
@@ -154,8 +170,8 @@ void write_start(const fs::path& folder, const FitStart& start, const Refinement
         Json report = json_of(start.fitted.report);
         report["training_beams"] = start.training_beams;
         write_file(to / kReport, io::text_of_json(report, 1) + "\n");
-        write_file(to / kHeldOut, {reinterpret_cast<const char*>(start.held_out.data()),
-                                   start.held_out.size() * sizeof(ListedBeam)});
+        put_rows(to / kHeldOut, start.held_out);
+        put_rows(to / kOpen, start.fitted.open);
       },
       io::OutputKind::kFolder);
 }
@@ -167,10 +183,8 @@ FitStart read_start(const fs::path& folder) {
   const io::JsonFile report(folder / kReport);
   out.fitted.report = report_of(report.root());
   out.training_beams = report.root().at("training_beams").count();
-  const InputFile beams(folder / kHeldOut);
-  if (beams.size() % sizeof(ListedBeam) != 0) throw FormatError(beams.name(), "", "ends too early");
-  out.held_out.resize(beams.size() / sizeof(ListedBeam));
-  beams.read(0, out.held_out.data(), beams.size());
+  out.held_out = rows_of<ListedBeam>(folder / kHeldOut);
+  out.fitted.open = rows_of<Eigen::Matrix3f>(folder / kOpen);
   return out;
 }
 

@@ -92,6 +92,17 @@ std::vector<std::vector<bool>> find_ground(const TileStore& store, const std::ve
   return is_ground;
 }
 
+/// Where the ellipsoids of each tile of a record begin.
+std::map<TileKey, uint32_t> first_ellipsoids(const FitRecord& record) {
+  std::map<TileKey, uint32_t> first;
+  uint32_t count = 0;
+  for (const TileRecord& tile : record.tiles) {
+    first[tile.key] = count;
+    count += tile.ellipsoids;
+  }
+  return first;
+}
+
 /// The tiles of `before` with those of `anew` in their places, and for each whether it is one of
 /// these.
 std::vector<std::pair<TileRecord, bool>> joined(std::vector<TileRecord> before,
@@ -128,13 +139,7 @@ std::vector<uint32_t> fit_tiles(const TileStore& store, const std::vector<TileKe
   std::vector<TileRecord> found;
   const std::vector<std::vector<bool>> is_ground =
       find_ground(store, anew, options, model.origin, found, out.report, progress);
-  // Where the ellipsoids of each tile of the old record begin.
-  std::map<TileKey, uint32_t> first;
-  uint32_t count = 0;
-  for (const TileRecord& tile : out.record.tiles) {
-    first[tile.key] = count;
-    count += tile.ellipsoids;
-  }
+  const std::map<TileKey, uint32_t> first = first_ellipsoids(out.record);
   std::vector<std::pair<TileRecord, bool>> tiles =
       joined(std::move(out.record.tiles), std::move(found));
   ground::HeightGrid grid(model.origin, options.ground);
@@ -142,7 +147,7 @@ std::vector<uint32_t> fit_tiles(const TileStore& store, const std::vector<TileKe
   const auto fit_ground = [&] {
     if (grid.points() > 0) model.ground = mesh_of_ground(grid.solve(), options);
   };
-  std::vector<std::vector<elements::Ellipsoid>> made(anew.size());
+  std::vector<cluster::Volumes> made(anew.size());
   const auto fit_volumes = [&] {
     if (!cluster::clustering_named(options.fitter)) return;
     size_t k = 0;
@@ -151,28 +156,32 @@ std::vector<uint32_t> fit_tiles(const TileStore& store, const std::vector<TileKe
         [&](size_t t) { return volumes_of_tile(store, anew[t], is_ground[t], options); },
         [&](cluster::Volumes tile) {
           out.report.unclustered_points += tile.unclustered_points;
-          made[k++] = std::move(tile.ellipsoids);
+          made[k++] = std::move(tile);
         });
   };
   parallel_invoke(fit_ground, fit_volumes);
   if (grid.points() == 0) {
     out.report.warnings.push_back("no ground was found: the model has no ground mesh");
   }
-  std::vector<elements::Ellipsoid> ellipsoids;
   std::vector<uint32_t> before;
+  std::vector<elements::Ellipsoid> ellipsoids;
   out.record.tiles.clear();
+  out.open.clear();
   size_t next = 0;
+  const bool has_spacing = options.volumetric.spacing != cluster::BeamSpacing();
   for (auto& [tile, is_new] : tiles) {
     if (is_new) {
-      const std::vector<elements::Ellipsoid>& of_tile = made[next++];
-      tile.ellipsoids = uint32_t(of_tile.size());
-      ellipsoids.insert(ellipsoids.end(), of_tile.begin(), of_tile.end());
-      before.insert(before.end(), of_tile.size(), kNewEllipsoid);
+      const cluster::Volumes& of_tile = made[next++];
+      tile.ellipsoids = uint32_t(of_tile.ellipsoids.size());
+      ellipsoids.insert(ellipsoids.end(), of_tile.ellipsoids.begin(), of_tile.ellipsoids.end());
+      out.open.insert(out.open.end(), of_tile.open.begin(), of_tile.open.end());
+      before.resize(ellipsoids.size(), kNewEllipsoid);
     } else {
       for (uint32_t k = 0; k < tile.ellipsoids; ++k) {
         before.push_back(first.at(tile.key) + k);
         ellipsoids.push_back(model.ellipsoids[before.back()]);
       }
+      if (has_spacing) out.open.resize(ellipsoids.size(), Eigen::Matrix3f::Zero());
     }
     out.record.tiles.push_back(std::move(tile));
   }
@@ -187,18 +196,21 @@ bool is_free_space(const FitOptions& options, const elements::HitCount& hit,
          times.are_brief();
 }
 
-void keep_ellipsoids(const std::vector<bool>& stays, elements::Model& model, FitRecord& record) {
+void keep_ellipsoids(const std::vector<bool>& stays, FitResult& fitted) {
+  std::vector<elements::Ellipsoid>& ellipsoids = fitted.model.ellipsoids;
   size_t k = 0, kept = 0;
-  for (TileRecord& tile : record.tiles) {
+  for (TileRecord& tile : fitted.record.tiles) {
     uint32_t left = 0;
     for (uint32_t n = 0; n < tile.ellipsoids; ++n, ++k) {
       if (!stays[k]) continue;
-      model.ellipsoids[kept++] = model.ellipsoids[k];
+      if (!fitted.open.empty()) fitted.open[kept] = fitted.open[k];
+      ellipsoids[kept++] = ellipsoids[k];
       ++left;
     }
     tile.ellipsoids = left;
   }
-  model.ellipsoids.resize(kept);
+  ellipsoids.resize(kept);
+  if (!fitted.open.empty()) fitted.open.resize(kept);
 }
 
 }  // namespace underbrush::fit

@@ -35,6 +35,6 @@ bool is_free_space(const FitOptions& options, const elements::HitCount& hit,
                    const credit::TrialTimes& times);
 
 /// Keeps only the ellipsoids that stay, in the model and in its record.
-void keep_ellipsoids(const std::vector<bool>& stays, elements::Model& model, FitRecord& record);
+void keep_ellipsoids(const std::vector<bool>& stays, FitResult& fitted);
 
 }  // namespace underbrush::fit

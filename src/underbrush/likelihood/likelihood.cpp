@@ -32,7 +32,7 @@ void keep_others(const std::vector<bool>& moving, const elements::Model& now,
 }
 
 void check(const elements::Model& start, const LikelihoodOptions& options,
-           const std::vector<bool>& moving) {
+           const RefinementLimits& limits) {
   require(start.voxel_m == 0, "likelihood: ellipsoids bounded by voxels cannot be refined");
   require(options.held_out.one_in > 1, "likelihood: some of the beams must be held out");
   require(options.dropout > 0 && options.dropout <= 0.9, "likelihood: dropout must be in (0, 0.9]");
@@ -40,8 +40,10 @@ void check(const elements::Model& start, const LikelihoodOptions& options,
           "likelihood: the start's parameters must not be negative");
   require(options.sharpness >= 0.1 && options.sharpness <= 10,
           "likelihood: sharpness must be in [0.1, 10]");
-  require(moving.empty() || moving.size() == start.size(),
+  require(limits.moving.empty() || limits.moving.size() == start.size(),
           "likelihood: `moving` must have an entry for each element");
+  require(limits.open.empty() || limits.open.size() == start.ellipsoids.size(),
+          "likelihood: `open` must have an entry for each ellipsoid");
 }
 
 void note(const char* name, const elements::Model& model, double held_out_nll, bool accepted,
@@ -55,7 +57,7 @@ struct Refiner::State {
   const elements::Model& start;
   const ListedBeams& beams;
   const LikelihoodOptions& options;
-  std::vector<bool> moving;
+  RefinementLimits limits;
   Neighbours neighbours;
 
   /// Takes a model for the best one if it explains the held-out beams better.
@@ -73,10 +75,10 @@ struct Refiner::State {
 };
 
 Refiner::Refiner(const elements::Model& start, const ListedBeams& beams,
-                 const LikelihoodOptions& options, const std::vector<bool>& moving) {
-  check(start, options, moving);
-  state_ =
-      std::make_unique<State>(State{start, beams, options, moving, Neighbours(start.ellipsoids)});
+                 const LikelihoodOptions& options, RefinementLimits limits) {
+  check(start, options, limits);
+  state_ = std::make_unique<State>(
+      State{start, beams, options, std::move(limits), Neighbours(start.ellipsoids)});
 }
 
 Refiner::~Refiner() = default;
@@ -109,9 +111,9 @@ void Refiner::maximise(Refinement& r, const Expectation& seen) {
   if (r.step > 0) r.soft.hit = std::clamp(seen.stray_hits, 1e-4, 0.2);
   bool better = false;
   while (!better && share && r.wanted(s.options) == share) {
-    elements::Model next =
-        maximised(r.best->model, seen.sums, s.neighbours, s.options.maximisation, r.stride);
-    if (!s.moving.empty()) keep_others(s.moving, r.best->model, next);
+    elements::Model next = maximised(r.best->model, seen.sums, s.neighbours, s.options.maximisation,
+                                     r.stride, s.limits.open);
+    if (!s.limits.moving.empty()) keep_others(s.limits.moving, r.best->model, next);
     better = s.accept("maximise", std::move(next), r);
     ++r.round;
     if (!better && share->is_all()) r.stride *= 0.3;
@@ -136,10 +138,10 @@ credit::BeamShare share_of_round(size_t beams, int round, int rounds) {
 
 Refined refine(const elements::Model& start, BeamSource& source, const LikelihoodOptions& options,
                const std::function<void(std::string_view, size_t, size_t)>& progress,
-               const std::vector<bool>& moving) {
-  check(start, options, moving);
+               RefinementLimits limits) {
+  check(start, options, limits);
   const ListedBeams beams(source, options.held_out, start, kListBytes);
-  Refiner refiner(start, beams, options, moving);
+  Refiner refiner(start, beams, options, std::move(limits));
   Refinement r = refiner.begin();
   while (const auto share = r.wanted(options)) {
     const std::string name = r.report.steps[r.step].name;

@@ -69,6 +69,16 @@ struct TracedModel {
   trace::World world;
 };
 
+/// The limits of a refinement.
+struct RefinementLimits {
+  /// Whether each element may change; empty if all may. Beams meet the others, too, but these stay
+  /// as they are.
+  std::vector<bool> moving;
+  /// m²; a covariance for each ellipsoid that its own, less the sphere of the least extent, is not
+  /// below in any direction (`cluster::open_covariances`); empty if there are none.
+  std::vector<Eigen::Matrix3f> open;
+};
+
 /// A refinement between two passes over the training beams.
 struct Refinement {
   std::shared_ptr<TracedModel> best;  ///< The best model so far.
@@ -89,10 +99,10 @@ struct Refinement {
 class Refiner {
  public:
   /// `start` is the model that the refinement begins with. It, `beams` and `options` must outlive
-  /// the refiner. Of `beams` the held-out ones and the number of training beams count. `moving` is
-  /// as for `refine`. Throws as `refine` does.
+  /// the refiner. Of `beams` the held-out ones and the number of training beams count. Throws as
+  /// `refine` does.
   Refiner(const elements::Model& start, const ListedBeams& beams, const LikelihoodOptions& options,
-          const std::vector<bool>& moving = {});
+          RefinementLimits limits = {});
   ~Refiner();
 
   /// Begins with the start with densities.
@@ -126,13 +136,10 @@ credit::BeamShare share_of_round(size_t beams, int round, int rounds);
 /// beams, on which its acceptance is based, stay in memory. The result has the same bits for any
 /// number of threads and any order of the beams. `progress(stage, done, total)` may be empty.
 /// Throws `std::invalid_argument` for ellipsoids bounded by voxels, because their means would leave
-/// the voxels, and for options out of range.
-///
-/// Unless `moving` is empty, it has one value for each element: whether the element may change.
-/// Beams meet the other elements, too, but these stay as they are.
+/// the voxels, and for options or limits out of range.
 Refined refine(const elements::Model& start, BeamSource& source, const LikelihoodOptions& options,
                const std::function<void(std::string_view, size_t, size_t)>& progress = {},
-               const std::vector<bool>& moving = {});
+               RefinementLimits limits = {});
 
 }  // namespace likelihood
 }  // namespace underbrush

@@ -56,7 +56,8 @@ double moved_density(const elements::Ellipsoid& e, const EllipsoidSums& sums,
 /// Moves mean and covariance. The density follows, so that the optical depth of the beams that the
 /// ellipsoid returned stays.
 void move_geometry(elements::Ellipsoid& e, const Mat3& covariance, const EllipsoidSums& sums,
-                   const Mat3& prior, const MaximisationOptions& o, double stride) {
+                   const Mat3& prior, const Eigen::Matrix3f* open, const MaximisationOptions& o,
+                   double stride) {
   const Mat3 root = Eigen::LLT<Mat3>(covariance).matrixL(), whiten = root.inverse();
   const Mat3 identity = Mat3::Identity();
   Vec3 shift = (sums.shift_curvature + 0.5 * identity).ldlt().solve(sums.shift_slope);
@@ -74,7 +75,10 @@ void move_geometry(elements::Ellipsoid& e, const Mat3& covariance, const Ellipso
   if (stretch.norm() > kLongestStretch) stretch *= kLongestStretch / stretch.norm();
   const Mat3 moved = root * (identity + stride * stretch);
   e.mean += (stride * root * shift).cast<float>();
-  e.set_covariance(elements::floored_covariance(moved * moved.transpose(), o.floor_m));
+  const Mat3 sigma = moved * moved.transpose();
+  e.set_covariance(open ? elements::floored_covariance(
+                              sigma, open->cast<double>() + o.floor_m * o.floor_m * identity)
+                        : elements::floored_covariance(sigma, o.floor_m));
   // Beams of the whitened direction n find σ changed by the factor e^(nᵀEn).
   const double along = stretch.cwiseProduct(sums.along).sum() / std::max(sums.along.trace(), 1e-9);
   e.density_per_m = float(
@@ -189,7 +193,7 @@ elements::Model calibrated(const elements::Model& model, const ElementSums& held
 
 elements::Model maximised(const elements::Model& model, const ElementSums& sums,
                           const Neighbours& neighbours, const MaximisationOptions& options,
-                          double stride) {
+                          double stride, std::span<const Eigen::Matrix3f> open) {
   elements::Model out = model;
   const size_t meshes = model.size() - model.ellipsoids.size();
   for (size_t i = 0; i < meshes; ++i) {
@@ -216,7 +220,9 @@ elements::Model maximised(const elements::Model& model, const ElementSums& sums,
       const double all = s.hits + s.passes;
       e.hit = counted(all > 0 ? std::clamp(s.hits / all, 0.0, 1.0) : 1, s.hits, s.passes);
       e.density_per_m = float(moved_density(e, s, priors[i], options, stride));
-      if (s.hits > 1) move_geometry(e, covariance, s, priors[i].shape, options, stride);
+      if (s.hits <= 1) continue;
+      move_geometry(e, covariance, s, priors[i].shape, open.empty() ? nullptr : &open[i], options,
+                    stride);
     }
   });
   return out;

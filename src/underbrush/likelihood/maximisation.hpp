@@ -1,6 +1,8 @@
 /// \file
 /// This file has the maximisation step, which makes the beams of a model more likely.
 #pragma once
+#include <span>
+
 #include "underbrush/credit/beta_prior.hpp"
 #include "underbrush/likelihood/element_sums.hpp"
 #include "underbrush/likelihood/neighbourhood.hpp"
@@ -56,9 +58,10 @@ elements::Model calibrated(const elements::Model& model, const ElementSums& held
 /// Takes one step of Fisher scoring for each element separately and returns the changed model. The
 /// step changes ln κ, μ and Σ of the ellipsoids, p and roughness of the triangles, and the range
 /// noise of the meshes. `neighbours` are those of the model's ellipsoids, and `stride` in (0, 1]
-/// scales all moves. Hits and misses of an element become its soft counts.
+/// scales all moves. `open` is as in `RefinementLimits`. Hits and misses of an element become its
+/// soft counts.
 elements::Model maximised(const elements::Model& model, const ElementSums& sums,
                           const Neighbours& neighbours, const MaximisationOptions& options,
-                          double stride);
+                          double stride, std::span<const Eigen::Matrix3f> open = {});
 
 }  // namespace underbrush::likelihood

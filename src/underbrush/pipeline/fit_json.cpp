@@ -124,6 +124,7 @@ Json json_of(const FittedModel& fitted, const SkippedRows& skipped) {
   j["free_space_ellipsoids"] = r.free_space_ellipsoids;
   j["max_range_m"] = model.max_range_m;
   j["tiles"] = r.tiles;
+  j["fitted_range_noise_m"] = r.range_noise_m;
   add_model(j, model);
   if (r.grain.learnt()) {
     j["roughness_m"] = {{"log", r.grain.real_m},

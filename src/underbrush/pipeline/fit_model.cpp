@@ -158,6 +158,7 @@ FittedModel completed(fit::FitResult fitted, const FitLog& log, const fit::FitOp
   warn_of_nothing_learnt(out.report);
   out.training = {
       options, bool(options.volumetric.mixture.footprint), {}, std::move(fitted.record)};
+  out.training.options.range_noise_m = out.report.range_noise_m;
   if (provenance) {
     std::vector<fs::path> inputs;
     if (!log.file.empty()) inputs.push_back(log.file);

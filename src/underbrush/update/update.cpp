@@ -75,7 +75,7 @@ UpdateResult update(fit::FitResult known, const std::vector<BeamSource*>& logs, 
                     const fit::FitOptions& options, const UpdateOptions& refitting,
                     const fit::FitProgress& progress) {
   check(known, logs, added, refitting);
-  const fit::FitOptions start = fit::start_options(options);
+  fit::FitOptions start = fit::start_options(options);
   UpdateReport report;
   report.tiles = known.record.tiles.size();
   report.kept = known.model.ellipsoids.size();
@@ -91,6 +91,9 @@ UpdateResult update(fit::FitResult known, const std::vector<BeamSource*>& logs, 
     earlier.push_back(corrected.back().get());
   }
   CorrectedBeams scans(added, known.model.channels);
+  if (fit::fitter_named(options.fitter).refines) {
+    start.volumetric.spacing = cluster::beam_spacing(scans);
+  }
   const NewReturns added_returns = new_returns(scans, known.model, known.record, start, progress);
   warn(added_returns, added.info(), report);
   report.beams = added_returns.beams;

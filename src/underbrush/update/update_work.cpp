@@ -93,7 +93,7 @@ void UpdateWork::refine_new(const likelihood::LikelihoodOptions& options) {
   }
   with_crossing(
       [&](BeamSource& beams) {
-        model_ = likelihood::refine(model_, beams, options, progress_, moving).model;
+        model_ = likelihood::refine(model_, beams, options, progress_, {moving, out_.open}).model;
       },
       changed_.ellipsoids.empty() ? nullptr : &changed_);
 }
@@ -258,7 +258,7 @@ void UpdateWork::drop(const std::vector<elements::Ellipsoid>& before,
     stays[k] = is_untouched(before[k], e) ||
                !(now[k].gone || fit::is_free_space(options_, e.hit, times_[k]));
   }
-  fit::keep_ellipsoids(stays, model_, out_.record);
+  fit::keep_ellipsoids(stays, out_);
   std::vector<bool> still_new(new_.begin(), new_.begin() + ptrdiff_t(meshes));
   std::vector<uint32_t> numbers;
   for (size_t k = 0; k < stays.size(); ++k) {

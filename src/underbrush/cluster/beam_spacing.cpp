@@ -1,0 +1,172 @@
+#include "underbrush/cluster/beam_spacing.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <numeric>
+
+#include "underbrush/core/check.hpp"
+
+namespace underbrush::cluster {
+namespace {
+
+constexpr size_t kScans = 4, kMostRows = size_t(1) << 19;
+constexpr size_t kAsked = 2000;  // beams of a scan whose neighbours are found
+constexpr double kLeastAngle = 1e-5, kMostAngle = 5 * M_PI / 180;  // rad
+constexpr double kPlaceM = 0.25;
+
+/// A beam of a ring: its azimuth, rad, and its direction.
+struct RingBeam {
+  double azimuth = 0;
+  Vec3f direction;
+  bool operator<(const RingBeam& o) const {
+    return azimuth != o.azimuth ? azimuth < o.azimuth : direction.z() < o.direction.z();
+  }
+};
+
+using Ring = std::vector<RingBeam>;
+
+double angle(const Vec3f& a, const Vec3f& b) { return double((a - b).norm()); }
+
+double median(std::vector<double>& angles) {
+  if (angles.empty()) return 0;
+  const auto middle = angles.begin() + std::ptrdiff_t(angles.size() / 2);
+  std::nth_element(angles.begin(), middle, angles.end());
+  return *middle;
+}
+
+/// The beam of a ring that is nearest to a beam of another ring.
+const RingBeam& nearest_in(const Ring& ring, const RingBeam& beam) {
+  const auto next = std::lower_bound(ring.begin(), ring.end(), beam) - ring.begin();
+  const auto size = std::ptrdiff_t(ring.size());
+  const RingBeam& after = ring[size_t(next % size)];
+  const RingBeam& before = ring[size_t((next + size - 1) % size)];
+  return angle(after.direction, beam.direction) < angle(before.direction, beam.direction) ? after
+                                                                                          : before;
+}
+
+/// The angle from a beam, number `at` of its ring, to the nearest other direction of the ring. It
+/// searches by azimuth to both sides, because beams without rings count as one ring.
+double angle_in(const Ring& ring, size_t at) {
+  constexpr size_t kMostSteps = 1000;
+  const RingBeam& beam = ring[at];
+  const double flat = std::hypot(double(beam.direction.x()), double(beam.direction.y()));
+  double least = kMostAngle;
+  for (const int side : {-1, 1}) {
+    for (size_t step = 1; step <= kMostSteps; ++step) {
+      const size_t next = side < 0 ? at - step : at + step;
+      if (next >= ring.size() || flat * std::abs(ring[next].azimuth - beam.azimuth) > least) break;
+      const double found = angle(ring[next].direction, beam.direction);
+      if (found > kLeastAngle) least = std::min(least, found);
+    }
+  }
+  return least;
+}
+
+/// The mean of the angles to the nearest rings above and below, or the one that there is.
+double angle_between(const std::map<uint16_t, Ring>& rings, uint16_t own, const RingBeam& beam) {
+  std::array<double, 2> least{kMostAngle, kMostAngle};
+  for (const auto& [number, ring] : rings) {
+    if (number == own) continue;
+    const RingBeam& other = nearest_in(ring, beam);
+    double& side = least[other.direction.z() > beam.direction.z()];
+    side = std::min(side, angle(other.direction, beam.direction));
+  }
+  const auto [nearer, farther] = std::minmax(least[0], least[1]);
+  return farther < kMostAngle ? (nearer + farther) / 2 : nearer;
+}
+
+/// The angles between neighbours, of several scans.
+class Angles {
+ public:
+  void add(std::map<uint16_t, Ring>& rings) {
+    size_t beams = 0;
+    for (auto& [number, ring] : rings) {
+      std::sort(ring.begin(), ring.end());
+      beams += ring.size();
+    }
+    const size_t step = std::max<size_t>(1, beams / kAsked);
+    size_t at = 0;
+    for (const auto& [number, ring] : rings) {
+      for (size_t k = 0; k < ring.size(); ++k) {
+        if (at++ % step != 0) continue;
+        const double in_ring = angle_in(ring, k);
+        keep(in_ring, in_ring_);
+        keep(rings.size() > 1 ? angle_between(rings, number, ring[k]) : in_ring, from_ring_);
+      }
+    }
+  }
+  BeamSpacing medians() { return {median(in_ring_), median(from_ring_)}; }
+
+ private:
+  static void keep(double angle, std::vector<double>& angles) {
+    if (angle < kMostAngle) angles.push_back(angle);
+  }
+
+  std::vector<double> in_ring_, from_ring_;
+};
+
+/// The sums over the points of a cluster.
+struct OpenSums {
+  size_t n = 0;
+  Mat3 squares = Mat3::Zero();
+  std::vector<std::array<int32_t, 3>> places;
+};
+
+}  // namespace
+
+BeamSpacing beam_spacing(BeamSource& log) {
+  std::map<uint32_t, std::map<uint16_t, Ring>> scans;
+  size_t rows = 0;
+  log.rewind();
+  for (BeamLog chunk; rows < kMostRows && log.next(chunk);) {
+    for (size_t i = 0; i < chunk.size() && rows < kMostRows; ++i) {
+      if (scans.size() == kScans && !scans.contains(chunk.scan[i])) {
+        rows = kMostRows;
+        break;
+      }
+      const Vec3f& d = chunk.direction[i];
+      scans[chunk.scan[i]][chunk.ring[i]].push_back({std::atan2(double(d.y()), double(d.x())), d});
+      ++rows;
+    }
+  }
+  Angles angles;
+  for (auto& [number, rings] : scans) angles.add(rings);
+  return angles.medians();
+}
+
+std::vector<Eigen::Matrix3f> open_covariances(std::span<const Vec3f> points,
+                                              std::span<const Vec3f> to_sensor,
+                                              const Clusters& clusters,
+                                              const BeamSpacing& spacing) {
+  require(points.size() == to_sensor.size() && points.size() == clusters.group.size(),
+          "points, directions and clusters differ in number");
+  std::vector<OpenSums> sums(clusters.count);
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (clusters.group[i] == Clusters::kNone) continue;
+    OpenSums& of = sums[clusters.group[i]];
+    const Vec3 sight = to_sensor[i].cast<double>();
+    const Vec3 along = Vec3(-sight.y(), sight.x(), 0).normalized(), across = along.cross(sight);
+    // Both vectors have the length r times the angle.
+    const Vec3 in_ring = spacing.in_ring * sight.norm() * along;
+    const Vec3 from_ring = spacing.from_ring * across;
+    of.squares += in_ring * in_ring.transpose() + from_ring * from_ring.transpose();
+    ++of.n;
+    const Vec3f place = (points[i] + to_sensor[i]) / float(kPlaceM);
+    std::array<int32_t, 3> cell;
+    for (int k = 0; k < 3; ++k) cell[size_t(k)] = int32_t(std::floor(place[k]));
+    if (of.places.empty() || of.places.back() != cell) of.places.push_back(cell);
+  }
+  std::vector<Eigen::Matrix3f> out;
+  for (OpenSums& of : sums) {
+    if (of.n == 0) continue;
+    std::sort(of.places.begin(), of.places.end());
+    const auto distinct = std::unique(of.places.begin(), of.places.end()) - of.places.begin();
+    out.push_back((of.squares / (12.0 * double(of.n) * double(distinct))).cast<float>());
+  }
+  return out;
+}
+
+}  // namespace underbrush::cluster
