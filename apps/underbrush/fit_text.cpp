@@ -53,11 +53,11 @@ std::string text_of_channels(const ChannelOffsets& channels) {
 
 std::string text_of_keyframes(const elements::Model& model) {
   if (!model.keyframes) return "";
-  const Json j = pipeline::json_of(*model.keyframes);
+  const nlohmann::ordered_json j = pipeline::json_of(*model.keyframes);
   std::string text = fmt::format("  keyframes   {} of {} x {} pixels, {:.1f} MB; remembered",
                                  j["frames"].get<size_t>(), j["rows"].get<size_t>(),
                                  j["columns"].get<size_t>(), j["bytes"].get<double>() / 1e6);
-  for (const Json& d : j["trust"]) {
+  for (const nlohmann::ordered_json& d : j["trust"]) {
     const double agreed = d["where_ranges_agree"], differ = d["where_they_differ"];
     if (agreed == 0 && differ == 0) continue;
     text += fmt::format(" {:.0f} to {:.0f} % up to {:g} m,", 100 * std::min(agreed, differ),

@@ -201,7 +201,7 @@ static bool is_positive(const Mat3& m) {
 }
 
 Mat3 floored_covariance(const Mat3& sigma, double floor_m) {
-  const Mat3 symmetric = 0.5 * (sigma + sigma.transpose());
+  Mat3 symmetric = 0.5 * (sigma + sigma.transpose());
   const double least = floor_m * floor_m;
   if (is_positive(symmetric - least * Mat3::Identity())) return symmetric;
   Eigen::SelfAdjointEigenSolver<Mat3> eigen;
@@ -212,7 +212,7 @@ Mat3 floored_covariance(const Mat3& sigma, double floor_m) {
 }
 
 Mat3 floored_covariance(const Mat3& sigma, const Mat3& least) {
-  const Mat3 symmetric = 0.5 * (sigma + sigma.transpose());
+  Mat3 symmetric = 0.5 * (sigma + sigma.transpose());
   if (is_positive(symmetric - least)) return symmetric;
   const Mat3 root = Eigen::LLT<Mat3>(least).matrixL(), whiten = root.inverse();
   const Mat3 whitened = whiten * symmetric * whiten.transpose();
