@@ -45,9 +45,7 @@ class FitParameters(TypedDict, total=False):
     #: Drop ellipsoids whose hits came within a short time and whose share of hits, hits / (hits + misses), is below
     #: this (default 0.2).
     free_space_below: float
-    #: The sensor's range noise, or less if the directions of a sensor that stands still show less (m; default
-    #: 0.02).
-    range_noise: float
+    range_noise: float  #: The sensor's range noise, at most (m; default 0.02).
     triangle_prior_hits: float  #: Prior hits of a triangle; likelihood has 10 (default 10000).
     triangle_prior_misses: float  #: Prior misses of a triangle (default 0).
     credit: str  #: The rule that credits elements with the hits and misses of beams (default first).
