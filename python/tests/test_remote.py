@@ -4,6 +4,8 @@ from __future__ import annotations
 import json
 import os
 import pathlib
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from urllib.parse import urlunsplit
 
@@ -105,3 +107,14 @@ def test_failures_are_named(remote: Remote, here: pathlib.Path, run: Callable[..
     run("plan", "job.yaml", "-o", "outside")
     with pytest.raises(ValueError, match="below the folder"):
         put_plan("outside", remote)
+
+
+def test_a_process_leaves_nothing_in_the_cache(tmp_path: pathlib.Path) -> None:
+    cache = tmp_path / "cache"
+    fork = "import os; from underbrush import remote\n" \
+           f"folder = remote._cache_of(remote.Remote('file:///nowhere', {str(cache)!r})).work\n" \
+           "if os.fork() == 0: raise SystemExit\n" \
+           "os.wait()\n" \
+           "assert folder.is_dir()"  # What a child does at its end is not the parent's.
+    subprocess.run([sys.executable, "-c", fork], check=True)
+    assert list(cache.iterdir()) == []

@@ -7,6 +7,7 @@ the folder: credentials are options of fsspec, or are found by its own ways (env
 """
 from __future__ import annotations
 
+import atexit
 import contextlib
 import dataclasses
 import fcntl
@@ -144,6 +145,11 @@ class _Cache:
                 for path in held:
                     self._users[path] -= 1
 
+    def close(self) -> None:
+        """Removes this part of the cache, which no other process reads."""
+        shutil.rmtree(self.work, ignore_errors=True)
+        self._lock.close()
+
     def _fetch(self, files: Any, root: str, path: str) -> None:
         if path in self._bytes:
             self._bytes[path] = self._bytes.pop(path)
@@ -152,7 +158,7 @@ class _Cache:
         for old in [p for p in self._bytes if not self._users.get(p)]:
             if sum(self._bytes.values()) + size <= self._most_bytes:
                 break
-            _remove(self.work / old)
+            shutil.rmtree(self.work / old) if (self.work / old).is_dir() else (self.work / old).unlink()
             del self._bytes[old]
         if sum(self._bytes.values()) + size > self._most_bytes:
             raise OSError(28, "the files of the tasks are more than the cache may hold", path)
@@ -171,6 +177,14 @@ def _cache_of(remote: Remote) -> _Cache:
         if key not in _caches:
             _caches[key] = _Cache(pathlib.Path(remote.cache).absolute(), remote.cache_bytes)
         return _caches[key]
+
+
+@atexit.register
+def _close_caches() -> None:
+    """Closes the caches of this process; those of a process that forked this one stay."""
+    with _caches_guard:
+        for key in [k for k in _caches if k.startswith(f"{os.getpid()} ")]:
+            _caches.pop(key).close()
 
 
 def _below(path: str) -> str:
@@ -213,8 +227,3 @@ def _write(path: pathlib.Path, content: bytes) -> None:
     with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
         file.write(content)
     os.replace(file.name, path)
-
-
-def _remove(path: pathlib.Path) -> None:
-    """Removes a file or folder."""
-    shutil.rmtree(path) if path.is_dir() else path.unlink()
