@@ -13,7 +13,9 @@ FitOptions start_options(FitOptions options) {
   return options;
 }
 
-double least_extent_m(const FitOptions& options) { return 0.25 * options.range_noise_m; }
+double least_extent_m(const FitOptions& options) {
+  return cluster::EllipsoidOptions{.floor_m = options.range_noise_m}.least_m();
+}
 
 likelihood::LikelihoodOptions likelihood_options(const FitOptions& options) {
   likelihood::LikelihoodOptions out = options.likelihood;
