@@ -2,12 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "fit/two_bushes.hpp"
 #include "underbrush/core/beam_window.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
+#include "underbrush/core/rng.hpp"
 #include "underbrush/core/temporary.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/fit/fit.hpp"
@@ -71,6 +73,44 @@ TEST(FitStages, GiveTheModelOfOneFit) {
     ASSERT_EQ(cut.record.tiles.size(), whole.record.tiles.size());
     EXPECT_EQ(cut.record.residuals, whole.record.residuals);
   }
+}
+
+// The start finds the noise of a sensor that stands, and the space between its beams; the later
+// stages know both from its files.
+TEST(FitStages, KnowWhatTheStartFound) {
+  const TemporaryPath temporary(fs::temp_directory_path(), "fit_stages");
+  make_temporary_folders(temporary.path());
+  Stream random(37);
+  BeamLog beams;
+  beams.info.has_misses = true;
+  for (uint32_t scan = 0; scan < 4; ++scan) {
+    beams.info.scans.push_back({scan, 0.1 * scan, {}});
+    for (int k = 0; k < 4000; ++k) {
+      const Vec3 to = 10 * Vec3(0.001 * (k % 400) - 0.2, 1, 0.02 * (1 + k / 400));
+      const size_t i = beams.size();
+      beams.resize(i + 1);
+      beams.direction[i] = to.normalized().cast<float>();
+      beams.range_m[i] = float(to.norm() + 0.005 * random.normal());
+      beams.ring[i] = uint16_t(k / 400);
+      beams.scan[i] = scan;
+      beams.time_s[i] = 0.1 * scan;
+    }
+  }
+  MemorySource log(beams, 3000);
+  FitOptions options;
+  options.likelihood.rounds = 2;
+  options.segment.method = "none";
+  const FitResult whole = fit(log, options), cut = fit_in_stages(log, options, 2, temporary.path());
+  EXPECT_LT(whole.report.range_noise_m, 0.006);
+  EXPECT_EQ(cut.report.range_noise_m, whole.report.range_noise_m);
+  EXPECT_EQ(hash_of_model(temporary.path() / "cut", cut.model),
+            hash_of_model(temporary.path() / "whole", whole.model));
+  const FitStart start = read_start(temporary.path() / "start");
+  ASSERT_EQ(start.fitted.open.size(), start.fitted.model.ellipsoids.size());
+  EXPECT_GT(start.fitted.open.at(0)(2, 2), std::pow(0.05, 2));  // 20 cm between the rings
+  const fs::path open = temporary.path() / "start" / "open.bin";
+  fs::resize_file(open, fs::file_size(open) - sizeof(Eigen::Matrix3f));
+  EXPECT_THROW(read_start(temporary.path() / "start"), FormatError);
 }
 
 TEST(FitStages, DamagedSumsAreNamed) {

@@ -185,6 +185,9 @@ FitStart read_start(const fs::path& folder) {
   out.training_beams = report.root().at("training_beams").count();
   out.held_out = rows_of<ListedBeam>(folder / kHeldOut);
   out.fitted.open = rows_of<Eigen::Matrix3f>(folder / kOpen);
+  if (!out.fitted.open.empty() && out.fitted.open.size() != out.fitted.model.ellipsoids.size()) {
+    throw FormatError((folder / kOpen).string(), "", "it is of another number of ellipsoids");
+  }
   return out;
 }
 
