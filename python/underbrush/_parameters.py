@@ -49,6 +49,7 @@ class FitParameters(TypedDict, total=False):
     triangle_prior_hits: float  #: Prior hits of a triangle; likelihood has 10 (default 10000).
     triangle_prior_misses: float  #: Prior misses of a triangle (default 0).
     credit: str  #: The rule that credits elements with the hits and misses of beams (default first).
+    effort: str  #: How much of a long log is used (default medium).
     start: str  #: The fitter to begin with, or the folder of a model (default hierarchical).
     rounds: int  #: Largest number of M-steps (default 5).
     #: Number k of parameters fitted to the n points of each ellipsoid of the start; its variances grow by (n + k) /

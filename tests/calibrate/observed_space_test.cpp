@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 
+#include "underbrush/calibrate/observed_map.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/trace/unknown_space.hpp"
 
@@ -99,6 +102,40 @@ TEST(ObservedSpace, KnowsTheCellsThatBeamsCrossedAndNoOthers) {
   EXPECT_EQ(beams_of(*m.observed, {10, 0, 1}), 6);
   learn_observed_space(m, source, {0, 0});
   EXPECT_FALSE(m.observed);
+}
+
+TEST(ObservedMap, CountsTheBeamsOfAWalkStepByStep) {
+  constexpr double kCell = 0.75;
+  ObservedMap map(kCell);
+  std::map<Cell3, int> expected;
+  Stream random(15);
+  for (int beam = 0; beam < 8000; ++beam) {
+    const Vec3 origin(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+    const Vec3 direction =
+        Vec3(random.normal(), random.normal(), 0.2 * random.normal()).normalized();
+    const double from = beam % 3, to = random.uniform(0.5, 30);
+    map.add(origin, direction, from, to);
+    const Cell3 end = cell_of(Vec3(origin + to * direction), kCell);
+    Cell3 last{INT32_MAX, 0, 0};
+    for (double t = from; t < to; t += kCell / 2) {
+      const Cell3 cell = cell_of(Vec3(origin + t * direction), kCell);
+      expected[cell] += !(cell == last);
+      last = cell;
+    }
+    expected[end] += !(end == last);
+  }
+  const elements::ObservedSpace space = map.space();
+  int fullest = 0;
+  size_t crossed = 0;
+  for (const auto& [cell, beams] : expected) {
+    ASSERT_EQ(beams_of(space, cell), std::min(beams, 255));
+    fullest = std::max(fullest, beams);
+  }
+  for (const elements::ObservedBlock& b : space.blocks) {
+    crossed += size_t(std::ranges::count_if(b.beams, [](uint8_t n) { return n > 0; }));
+  }
+  EXPECT_EQ(crossed, expected.size());
+  EXPECT_GT(fullest, 255) << "no count was at its end";
 }
 
 TEST(ObservedSpace, LearnsTheDensityOfAMediumThatNobodySaw) {

@@ -78,18 +78,23 @@ double nll_of(const elements::Model& model, BeamSource& source, const credit::He
 
 TEST(Likelihood, TheLastRoundsOfALongLogTakeAllBeamsAndEarlierOnesAQuarterEach) {
   const size_t many = 2 * credit::kLongLog;
+  const auto share_of = [](size_t beams, int round, int rounds) {
+    LikelihoodOptions options;
+    options.rounds = rounds;
+    return share_of_round(beams, round, options);
+  };
   std::array<int, credit::BeamShare::kParts> taken{};
   for (const int round : {0, 1, 2, 3}) {
-    const credit::BeamShare share = share_of_round(many, round, 5);
+    const credit::BeamShare share = share_of(many, round, 5);
     EXPECT_FALSE(share.is_all());
     for (unsigned k = share.first; k < share.last; ++k) ++taken[k];
     EXPECT_EQ(share.weight(), 4u);
   }
   for (const int times : taken) EXPECT_EQ(times, 1);
-  for (const int rounds : {1, 3, 5}) EXPECT_TRUE(share_of_round(many, rounds - 1, rounds).is_all());
-  EXPECT_EQ(share_of_round(many, 0, 2), share_of_round(many, 3, 5));
-  EXPECT_TRUE(share_of_round(many, 4, 20).is_all());
-  EXPECT_TRUE(share_of_round(credit::kLongLog - 1, 0, 5).is_all());
+  for (const int rounds : {1, 3, 5}) EXPECT_TRUE(share_of(many, rounds - 1, rounds).is_all());
+  EXPECT_EQ(share_of(many, 0, 2), share_of(many, 3, 5));
+  EXPECT_TRUE(share_of(many, 4, 20).is_all());
+  EXPECT_TRUE(share_of(credit::kLongLog - 1, 0, 5).is_all());
 }
 
 TEST(Likelihood, EllipsoidsFillTheSpaceThatIsLeftOpen) {

@@ -14,7 +14,6 @@ namespace underbrush::calibrate {
 namespace {
 
 constexpr size_t kLeastSamples = size_t(1) << 17, kMostSamples = size_t(1) << 22;
-constexpr size_t kSamplesAnElement = 6;
 constexpr size_t kMostForResponse = size_t(1) << 16;
 
 bool has_intensity(const BeamLog& log, size_t i) {
@@ -109,12 +108,12 @@ void set_light(elements::Model& model, const std::vector<elements::Reflectance>&
 
 }  // namespace
 
-void learn_light(elements::Model& model, BeamSource& log) {
+void learn_light(elements::Model& model, BeamSource& log, size_t samples_an_element) {
   forget_light(model);
   const trace::World world(model);
   std::vector<LightSample> samples;
   Thinned thinned(log.size(),
-                  std::clamp(kSamplesAnElement * model.size(), kLeastSamples, kMostSamples));
+                  std::clamp(samples_an_element * model.size(), kLeastSamples, kMostSamples));
   double most = 0;
   log.rewind();
   for (BeamLog chunk; log.next(chunk);) {
@@ -150,7 +149,7 @@ void learn_reflectances(elements::Model& model, BeamSource& log, const std::vect
   const trace::World world(model);
   std::vector<LightSums> sums(model.size());
   Thinned thinned(log.size(),
-                  std::clamp(kSamplesAnElement * model.size(), kLeastSamples, kMostSamples));
+                  std::clamp(kSamplesOfLight * model.size(), kLeastSamples, kMostSamples));
   log.rewind();
   for (BeamLog chunk; log.next(chunk);) {
     for (const LightSample& s : samples_of(world, thinned(chunk))) {

@@ -1,6 +1,8 @@
 #include "underbrush/calibrate/observed_map.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 
 #include "underbrush/trace/crossed_cells.hpp"
 
@@ -13,15 +15,16 @@ void ObservedMap::add(const Vec3& origin, const Vec3& direction, double from_m, 
   const double step = 0.5 * cell_m_;
   Cell3 last{INT32_MAX, 0, 0};
   trace::StepCells cells;
-  double t = from_m;
-  for (; t + kBatch * step < to_m; t += kBatch * step) {
+  for (double t = from_m; t < to_m; t += kBatch * step) {
     trace::cells_of_steps(origin, direction, t - 0.5 * step, step, cell_m_, cells);
-    for (int k = 0; k < kBatch; ++k) add(cells.of(k), last);
+    const double left = (to_m - t) / step;
+    const int count = left < kBatch ? int(std::ceil(left)) : kBatch;
+    uint32_t entered = trace::entered_cells(cells, last) & ((1u << count) - 1);
+    for (; entered > 0; entered &= entered - 1) add(cells.of(std::countr_zero(entered)));
+    last = cells.of(count - 1);
   }
-  for (;; t += step) {
-    add(cell_of(Vec3(origin + std::min(t, to_m) * direction), cell_m_), last);
-    if (t >= to_m) return;
-  }
+  const Cell3 end = cell_of(Vec3(origin + to_m * direction), cell_m_);
+  if (!(end == last)) add(end);
 }
 
 void ObservedMap::add(const ObservedMap& other) {
@@ -42,13 +45,13 @@ elements::ObservedSpace ObservedMap::space() const {
   return out;
 }
 
-void ObservedMap::add(const Cell3& cell, Cell3& last) {
-  if (cell == last) return;
-  last = cell;
+void ObservedMap::add(const Cell3& cell) {
   const Cell3 of = ObservedBlock::of(cell);
-  if (!block_ || !(block_->at == of)) block_ = &block_at(of);
-  uint8_t& n = block_->beams[ObservedBlock::index(cell)];
-  if (n < 255) ++n;
+  const auto place = size_t((of.x & 7) | (of.y & 7) << 3 | (of.z & 3) << 6);
+  ObservedBlock*& block = recent_[place];
+  if (!block || !(block->at == of)) block = &block_at(of);
+  uint8_t& n = block->beams[ObservedBlock::index(cell)];
+  n = uint8_t(n + (n < 255));
 }
 
 ObservedBlock& ObservedMap::block_at(const Cell3& at) {

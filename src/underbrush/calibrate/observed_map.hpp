@@ -1,6 +1,7 @@
 /// \file
 /// A map of the cells that beams crossed, while it is made.
 #pragma once
+#include <array>
 #include <memory>
 
 #include "underbrush/elements/observed_space.hpp"
@@ -21,13 +22,14 @@ class ObservedMap {
   elements::ObservedSpace space() const;
 
  private:
-  /// Counts a beam in a cell, unless it was counted there last.
-  void add(const Cell3& cell, Cell3& last);
+  /// Counts a beam in a cell.
+  void add(const Cell3& cell);
   elements::ObservedBlock& block_at(const Cell3& at);
 
   double cell_m_ = 1;
   CellMap<Cell3, std::unique_ptr<elements::ObservedBlock>> blocks_;
-  elements::ObservedBlock* block_ = nullptr;  // the block of the cell before
+  /// The last block of each place in a cube of blocks, which the next beams cross again.
+  std::array<elements::ObservedBlock*, 256> recent_{};
 };
 
 }  // namespace underbrush::calibrate

@@ -37,6 +37,32 @@ void for_each_chunk(BeamSource& log, F use) {
   while (log.next(chunk)) use(chunk);
 }
 
+/// Adds the beams of a log to pieces that begin as `fresh()`, on all threads, by `add(chunk, i,
+/// row, piece)` for beam i of a chunk, which is row `row` of the log. `take` gets the pieces in
+/// order.
+template <class Fresh, class Add, class Take>
+void for_each_piece(BeamSource& log, const Fresh& fresh, const Add& add, const Take& take) {
+  constexpr size_t kBeamsOfPiece = 1 << 15;
+  size_t first = 0;
+  for_each_chunk(log, [&](const BeamLog& chunk) {
+    const size_t pieces = (chunk.size() + kBeamsOfPiece - 1) / kBeamsOfPiece;
+    std::vector<decltype(fresh())> made(pieces);
+    parallel_in_order(
+        pieces, 2 * size_t(threads()),
+        [&](size_t k) {
+          auto piece = fresh();
+          const size_t end = std::min((k + 1) * kBeamsOfPiece, chunk.size());
+          for (size_t i = k * kBeamsOfPiece; i < end; ++i) add(chunk, i, first + i, piece);
+          made[k] = std::move(piece);
+        },
+        [&](size_t k) {
+          take(made[k]);
+          made[k] = {};
+        });
+    first += chunk.size();
+  });
+}
+
 /// The vertices of the ground that lie in crossed cells of a map, or just below them.
 std::vector<bool> known_ground(const ObservedSpace& space, const elements::Model& model) {
   std::vector<bool> keep(model.ground.vertices.size());
@@ -96,10 +122,12 @@ double reach_of(const elements::Model& model, const LogInfo& log) {
 /// The maps of the two parts of a log.
 std::array<ObservedSpace, 2> maps_of(const elements::Model& model, BeamSource& log,
                                      const Extent& extent, const ObservedSpaceOptions& options) {
-  constexpr size_t kBeamsOfPiece = 1 << 15;
+  using Maps = std::array<ObservedMap, 2>;
   const double reach = reach_of(model, log.info());
-  std::array maps{ObservedMap(options.cell_m), ObservedMap(options.cell_m)};
-  const auto add = [&](const BeamLog& chunk, size_t i, std::array<ObservedMap, 2>& to) {
+  const auto new_maps = [&] {
+    return Maps{ObservedMap(options.cell_m), ObservedMap(options.cell_m)};
+  };
+  const auto add = [&](const BeamLog& chunk, size_t i, size_t, Maps& to) {
     if (!counts(chunk, i, options)) return;
     const Ray ray = chunk.ray(i);
     double end = chunk.is_hit(i) ? double(chunk.range_m[i]) : reach;
@@ -109,20 +137,9 @@ std::array<ObservedSpace, 2> maps_of(const elements::Model& model, BeamSource& l
     to[extent.parts.of(chunk, i)].add(ray.origin - model.origin, ray.direction, options.min_range_m,
                                       end);
   };
-  for_each_chunk(log, [&](const BeamLog& chunk) {
-    const size_t pieces = (chunk.size() + kBeamsOfPiece - 1) / kBeamsOfPiece;
-    std::vector<std::array<ObservedMap, 2>> of_piece(pieces);
-    parallel_in_order(
-        pieces, 2 * size_t(threads()),
-        [&](size_t k) {
-          of_piece[k] = {ObservedMap(options.cell_m), ObservedMap(options.cell_m)};
-          const size_t end = std::min((k + 1) * kBeamsOfPiece, chunk.size());
-          for (size_t i = k * kBeamsOfPiece; i < end; ++i) add(chunk, i, of_piece[k]);
-        },
-        [&](size_t k) {
-          for (size_t part = 0; part < 2; ++part) maps[part].add(of_piece[k][part]);
-          of_piece[k] = {};
-        });
+  Maps maps = new_maps();
+  for_each_piece(log, new_maps, add, [&](const Maps& piece) {
+    for (size_t part = 0; part < 2; ++part) maps[part].add(piece[part]);
   });
   return {maps[0].space(), maps[1].space()};
 }
@@ -144,31 +161,39 @@ GroundReturns ground_returns(const elements::Model& model, BeamSource& log, cons
   constexpr double kPrior = 5;  // beams
   struct Lost {
     Cell2 at;
-    size_t range;
+    size_t part, range;
+  };
+  struct Piece {
+    std::vector<Lost> lost;
+    Ranges returned{};  // whole numbers
   };
   const trace::GroundHeights ground(model.ground, {});
   const trace::RangeLimits reach{options.min_range_m, reach_of(model, log.info())};
+  const auto add = [&](const BeamLog& chunk, size_t i, size_t, Piece& to) {
+    if (!counts(chunk, i, options)) return;
+    Ray ray = chunk.ray(i);
+    ray.origin -= model.origin;
+    if (chunk.is_hit(i)) {
+      const double range = chunk.range_m[i];
+      const Vec3 end = ray.origin + range * ray.direction;
+      const double height = end.z() - ground.at(end.x(), end.y());
+      to.returned[ObservedSpace::range_interval(range)] += height < ObservedSpace::kGroundM;
+    } else if (const auto at = ground.entry(ray, reach, options.cell_m)) {
+      const Vec3 p = ray.origin + *at * ray.direction;
+      to.lost.push_back({cell_of(p.x(), p.y(), ObservedSpace::kSquareM), parts.of(chunk, i),
+                         ObservedSpace::range_interval(*at)});
+    }
+  };
   std::array<std::map<Cell2, uint32_t>, 2> beams;
   std::vector<Lost> lost;
   Ranges returned{}, gone{};
-  for_each_chunk(log, [&](const BeamLog& chunk) {
-    for (size_t i = 0; i < chunk.size(); ++i) {
-      if (!counts(chunk, i, options)) continue;
-      Ray ray = chunk.ray(i);
-      ray.origin -= model.origin;
-      if (chunk.is_hit(i)) {
-        const double range = chunk.range_m[i];
-        const Vec3 end = ray.origin + range * ray.direction;
-        const double height = end.z() - ground.at(end.x(), end.y());
-        returned[ObservedSpace::range_interval(range)] += height < ObservedSpace::kGroundM;
-      } else if (const auto at = ground.entry(ray, reach, options.cell_m)) {
-        const Vec3 p = ray.origin + *at * ray.direction;
-        const Cell2 square = cell_of(p.x(), p.y(), ObservedSpace::kSquareM);
-        ++beams[parts.of(chunk, i)][square];
-        lost.push_back({square, ObservedSpace::range_interval(*at)});
-      }
-    }
-  });
+  for_each_piece(
+      log, [] { return Piece(); }, add,
+      [&](const Piece& piece) {
+        for (const Lost& l : piece.lost) ++beams[l.part][l.at];
+        lost.insert(lost.end(), piece.lost.begin(), piece.lost.end());
+        for (size_t r = 0; r < returned.size(); ++r) returned[r] += piece.returned[r];
+      });
   for (const Lost& l : lost) {
     double n = 0;
     for (const auto& part : beams) n += part.contains(l.at) ? part.at(l.at) : 0;
@@ -199,30 +224,40 @@ Counts counts_of(const elements::Model& model, BeamSource& log, const Parts& par
                                        {spaces[1], model.ground, model.origin, keep[1]}};
   const size_t every = std::max<size_t>(1, parts.beams / kSamples);
   const double reach = reach_of(model, log.info());
+  /// A step of a beam through unknown space.
+  struct Step {
+    size_t height, range;
+    double way_m;
+    bool is_end;
+  };
+  using Piece = std::vector<Step>;
+  const auto add = [&](const BeamLog& chunk, size_t i, size_t row, Piece& to) {
+    if (mix64(row) % every != 0 || !counts(chunk, i, options)) return;
+    const bool is_hit = chunk.is_hit(i);
+    const double end = is_hit ? double(chunk.range_m[i]) : reach;
+    const trace::RangeLimits way{options.min_range_m, end + options.cell_m};
+    const trace::UnknownSpace& other = unknown[1 - parts.of(chunk, i)];
+    Ray in_model = chunk.ray(i);
+    in_model.origin -= model.origin;
+    const bool is_lost = !is_hit && other.ground().entry(in_model, way, options.cell_m).has_value();
+    other.follow(chunk.ray(i), way, [&](const trace::UnknownSpace::Step& s) {
+      if (s.from_m >= end) return false;
+      if (s.is_low() && is_lost) return true;
+      to.push_back({ObservedSpace::height_interval(s.height_m),
+                    ObservedSpace::range_interval(0.5 * (s.from_m + s.to_m)),
+                    s.way_m(std::min(s.to_m, end)), is_hit && end < s.to_m});
+      return true;
+    });
+  };
   Counts out;
-  size_t number = 0;
-  for_each_chunk(log, [&](const BeamLog& chunk) {
-    for (size_t i = 0; i < chunk.size(); ++i) {
-      if (mix64(number++) % every != 0 || !counts(chunk, i, options)) continue;
-      const bool is_hit = chunk.is_hit(i);
-      const double end = is_hit ? double(chunk.range_m[i]) : reach;
-      const trace::RangeLimits way{options.min_range_m, end + options.cell_m};
-      const trace::UnknownSpace& other = unknown[1 - parts.of(chunk, i)];
-      Ray in_model = chunk.ray(i);
-      in_model.origin -= model.origin;
-      const bool is_lost =
-          !is_hit && other.ground().entry(in_model, way, options.cell_m).has_value();
-      other.follow(chunk.ray(i), way, [&](const trace::UnknownSpace::Step& s) {
-        if (s.from_m >= end) return false;
-        const size_t h = ObservedSpace::height_interval(s.height_m),
-                     r = ObservedSpace::range_interval(0.5 * (s.from_m + s.to_m));
-        if (s.is_low() && is_lost) return true;
-        out.path_m[h][r] += s.way_m(std::min(s.to_m, end));
-        out.ends[h][r] += is_hit && end < s.to_m;
-        return true;
+  for_each_piece(
+      log, [] { return Piece(); }, add,
+      [&](const Piece& piece) {
+        for (const Step& s : piece) {
+          out.path_m[s.height][s.range] += s.way_m;
+          out.ends[s.height][s.range] += s.is_end;
+        }
       });
-    }
-  });
   return out;
 }
 

@@ -6,8 +6,11 @@
 #include <cstdint>
 #include <map>
 #include <numeric>
+#include <optional>
+#include <utility>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/parallel.hpp"
 
 namespace underbrush::cluster {
 namespace {
@@ -78,10 +81,9 @@ double angle_between(const std::map<uint16_t, Ring>& rings, uint16_t own, const 
   return farther < kMostAngle ? (nearer + farther) / 2 : nearer;
 }
 
-/// The angles between neighbours, of several scans.
-class Angles {
- public:
-  void add(std::map<uint16_t, Ring>& rings) {
+/// The angles between neighbours of a scan.
+struct Angles {
+  explicit Angles(std::map<uint16_t, Ring>& rings) {
     size_t beams = 0;
     for (auto& [number, ring] : rings) {
       std::sort(ring.begin(), ring.end());
@@ -92,20 +94,19 @@ class Angles {
     for (const auto& [number, ring] : rings) {
       for (size_t k = 0; k < ring.size(); ++k) {
         if (at++ % step != 0) continue;
-        const double in_ring = angle_in(ring, k);
-        keep(in_ring, in_ring_);
-        keep(rings.size() > 1 ? angle_between(rings, number, ring[k]) : in_ring, from_ring_);
+        const double found = angle_in(ring, k);
+        keep(found, in_ring);
+        keep(rings.size() > 1 ? angle_between(rings, number, ring[k]) : found, from_ring);
       }
     }
   }
-  BeamSpacing medians() { return {median(in_ring_), median(from_ring_)}; }
+
+  std::vector<double> in_ring, from_ring;  ///< rad
 
  private:
   static void keep(double angle, std::vector<double>& angles) {
     if (angle < kMostAngle) angles.push_back(angle);
   }
-
-  std::vector<double> in_ring_, from_ring_;
 };
 
 /// The sums over the points of a cluster.
@@ -119,22 +120,36 @@ struct OpenSums {
 
 BeamSpacing beam_spacing(BeamSource& log) {
   std::map<uint32_t, std::map<uint16_t, Ring>> scans;
+  Ring* ring = nullptr;
+  std::pair<uint32_t, uint16_t> of_ring;  // its scan and its number
   size_t rows = 0;
   log.rewind();
   for (BeamLog chunk; rows < kMostRows && log.next(chunk);) {
     for (size_t i = 0; i < chunk.size() && rows < kMostRows; ++i) {
-      if (scans.size() == kScans && !scans.contains(chunk.scan[i])) {
-        rows = kMostRows;
-        break;
+      const std::pair at(chunk.scan[i], chunk.ring[i]);
+      if (!ring || at != of_ring) {
+        if (scans.size() == kScans && !scans.contains(at.first)) {
+          rows = kMostRows;
+          break;
+        }
+        ring = &scans[at.first][at.second];
+        of_ring = at;
       }
       const Vec3f& d = chunk.direction[i];
-      scans[chunk.scan[i]][chunk.ring[i]].push_back({std::atan2(double(d.y()), double(d.x())), d});
+      ring->push_back({std::atan2(double(d.y()), double(d.x())), d});
       ++rows;
     }
   }
-  Angles angles;
-  for (auto& [number, rings] : scans) angles.add(rings);
-  return angles.medians();
+  std::vector<std::map<uint16_t, Ring>*> rings;
+  for (auto& [number, of_scan] : scans) rings.push_back(&of_scan);
+  std::vector<std::optional<Angles>> of_scan(rings.size());
+  parallel_for(rings.size(), 1, [&](size_t k, size_t) { of_scan[k].emplace(*rings[k]); });
+  std::vector<double> in_ring, from_ring;
+  for (const std::optional<Angles>& a : of_scan) {
+    in_ring.insert(in_ring.end(), a->in_ring.begin(), a->in_ring.end());
+    from_ring.insert(from_ring.end(), a->from_ring.begin(), a->from_ring.end());
+  }
+  return {median(in_ring), median(from_ring)};
 }
 
 std::vector<Eigen::Matrix3f> open_covariances(std::span<const Vec3f> points,

@@ -28,6 +28,8 @@ struct FitOptions {
   std::string fitter = "likelihood";
   /// For `likelihood` only: the fitter that makes the first model, or the folder of a model.
   std::string start = "hierarchical";
+  /// For `likelihood` only: how much of a long log is used (`Effort`).
+  std::string effort = "medium";
   /// Whether every echo is a beam of its own. Otherwise each beam ends at its first echo.
   bool all_echoes = false;
   /// Whether the grain of the matter is learnt (`calibrate::learn_grain`, and from several echoes a

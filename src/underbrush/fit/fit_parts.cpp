@@ -11,6 +11,7 @@
 #include "underbrush/core/still_beams.hpp"
 #include "underbrush/credit/element_classes.hpp"
 #include "underbrush/elements/model_file.hpp"
+#include "underbrush/fit/effort.hpp"
 #include "underbrush/fit/parameters.hpp"
 #include "underbrush/fit/part_options.hpp"
 #include "underbrush/keyframes/keyframes.hpp"
@@ -104,7 +105,7 @@ void learn_the_rest(FitBeams& beams, const FitOptions& options, const Fitter& fi
   out.model.all_echoes = options.all_echoes;
   StillBeams still(corrected);
   credit::learn_classes(out.model, still);
-  calibrate::learn_light(out.model, still);
+  calibrate::learn_light(out.model, still, effort_named(options.effort).samples_of_light);
   if (fitter.refines && !options.all_echoes) {
     keyframes::learn_keyframes(out.model, still, keyframe_options(options));
   }

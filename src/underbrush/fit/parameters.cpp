@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/fit/effort.hpp"
 #include "underbrush/fit/fitters.hpp"
 
 namespace underbrush::fit {
@@ -103,7 +104,7 @@ std::span<const Parameter> parameters() {
 
     {{"tau", kEllipsoids, "", "Mahalanobis distance within which a beam meets an ellipsoid",
      [](Options& o) -> auto& { return o.tau; },
-      kPositive, 20}, kHelp, TuningRange{0.5, 5, kLinear, kTuned}},
+      kPositive, 20}, kHelpAll, TuningRange{0.5, 5, kLinear, kTuned}},
     {{"max-residual-for-hit", kHitProbability, "m",
      "Distance below which a triangle explains a point",
      [](Options& o) -> auto& { return o.credit.max_residual_for_hit_m; },
@@ -136,6 +137,10 @@ std::span<const Parameter> parameters() {
      [](Options& o) -> auto& { return o.credit.rule; },
       -kNoLimit, kNoLimit, credit::credit_rules()}, kReference},
 
+    {{"effort", kLikelihood, "",
+     "How much of a long log is used",
+     [](Options& o) -> auto& { return o.effort; },
+      -kNoLimit, kNoLimit, effort_names()}, kHelp},
     {{"start", kLikelihood, "", "The fitter to begin with, or the folder of a model",
      [](Options& o) -> auto& { return o.start; }}},
     {{"rounds", kLikelihood, "", "Largest number of M-steps",

@@ -259,6 +259,9 @@ class HeightHistogram {
     const float bin = std::floor((height_m - kLowestM) / kBinM);
     if (bin >= 0 && bin < kBins) ++count_[size_t(bin)];
   }
+  void add(const HeightHistogram& other) {
+    for (size_t b = 0; b < kBins; ++b) count_[b] += other.count_[b];
+  }
 
   /// Whether the densest 10 cm near the surface are at least `least` times as dense as the 15 cm
   /// above them.
@@ -277,25 +280,30 @@ class HeightHistogram {
   static constexpr int kBins = 15, kLayerBins = 4, kAboveBins = 6;
   static constexpr float kBinM = 0.025f, kLowestM = -0.1f;
 
-  double sum(int begin, int n) const {
-    return std::accumulate(&count_[size_t(begin)], &count_[size_t(begin)] + n, 0.0);
+  uint32_t sum(int begin, int n) const {
+    return std::accumulate(&count_[size_t(begin)], &count_[size_t(begin)] + n, 0u);
   }
 
-  std::array<double, kBins> count_{};
+  std::array<uint32_t, kBins> count_{};
 };
 
 /// Whether the points about each of the finest cells form a layer, as `LowerEnvelopeOptions::layer`
 /// demands.
 std::vector<uint8_t> layers(const SortedTile& tile, const std::vector<float>& height,
                             double least) {
-  std::vector<uint8_t> out(tile.start.size() - 1);
+  const size_t cells = tile.start.size() - 1;
+  std::vector<HeightHistogram> of_cell(cells);
+  parallel_for(cells, 1 << 10, [&](size_t begin, size_t end) {
+    for (size_t c = begin; c < end; ++c) {
+      for (uint32_t i = tile.start[c]; i < tile.start[c + 1]; ++i) of_cell[c].add(height[i]);
+    }
+  });
+  std::vector<uint8_t> out(cells);
   const auto histogram_about = [&](int x, int y) {
     HeightHistogram histogram;
-    const int u0 = std::max(0, x - 1), u1 = std::min(tile.nx - 1, x + 1);
     for (int v = std::max(0, y - 1); v <= std::min(tile.ny - 1, y + 1); ++v) {
-      const size_t row = size_t(v) * tile.nx;
-      for (uint32_t i = tile.start[row + u0]; i < tile.start[row + u1 + 1]; ++i) {
-        histogram.add(height[i]);
+      for (int u = std::max(0, x - 1); u <= std::min(tile.nx - 1, x + 1); ++u) {
+        histogram.add(of_cell[size_t(v) * tile.nx + u]);
       }
     }
     return histogram;

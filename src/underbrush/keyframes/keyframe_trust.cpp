@@ -184,26 +184,38 @@ std::array<KeyframeTrust, Keyframes::kSituations> most_likely_trust(
     by_agreement[samples[i].situation % Keyframes::kAgreements].push_back(i);
   }
   const KeyframeTrust start = first_guess();
-  for (size_t a = 0; a < Keyframes::kAgreements; ++a) {
+  constexpr size_t kDistances = Keyframes::kDistances.size();
+  const auto situation_of = [](size_t distance, size_t agreement) {
+    return distance * Keyframes::kAgreements + agreement;
+  };
+  std::array<bool, kDistances> is_known{};
+  for (size_t d = 0; d < kDistances; ++d) {
+    size_t beams = 0;
+    for (size_t a = 0; a < Keyframes::kAgreements; ++a) {
+      beams += by_situation[situation_of(d, a)].size();
+    }
+    is_known[d] = beams >= kLeastBeams;
+  }
+  parallel_for(Keyframes::kAgreements, 1, [&](size_t a, size_t) {
     const KeyframeTrust pooled = most_likely(samples, by_agreement[a], start, 1);
     const std::array<bool, kPixels> unseen = unseen_by(samples, by_agreement[a]);
+    parallel_for(kDistances, 1, [&](size_t d, size_t) {
+      if (!is_known[d]) return;
+      KeyframeTrust& t = out[situation_of(d, a)];
+      t = most_likely(samples, by_situation[situation_of(d, a)], pooled, kPriorBeams);
+      leave_to_elements(unseen, t);
+    });
     // Where no beam was so near to a keyframe, the trust is that of the next farther distance.
-    KeyframeTrust farther;
-    for (size_t d = Keyframes::kDistances.size(); d-- > 0;) {
-      const size_t situation = d * Keyframes::kAgreements + a;
-      size_t beams = 0;
-      for (size_t b = 0; b < Keyframes::kAgreements; ++b) {
-        beams += by_situation[d * Keyframes::kAgreements + b].size();
+    for (size_t d = kDistances; d-- > 0;) {
+      const size_t situation = situation_of(d, a);
+      if (is_known[d]) continue;
+      if (earlier) {
+        out[situation] = (*earlier)[situation];
+      } else if (d + 1 < kDistances) {
+        out[situation] = out[situation_of(d + 1, a)];
       }
-      if (beams >= kLeastBeams) {
-        farther = most_likely(samples, by_situation[situation], pooled, kPriorBeams);
-        leave_to_elements(unseen, farther);
-      } else if (earlier) {
-        farther = (*earlier)[situation];
-      }
-      out[situation] = farther;
     }
-  }
+  });
   return out;
 }
 

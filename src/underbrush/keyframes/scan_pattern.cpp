@@ -111,9 +111,15 @@ ScanPattern scan_pattern(BeamSource& log) {
   log.rewind();
   const uint64_t one_in = 1 + log.size() / kPatternBeams;
   uint64_t row = 0;
+  Scan* of_scan = nullptr;
+  uint32_t scan_number = 0;
   for (BeamLog chunk; log.next(chunk);) {
     for (size_t i = 0; i < chunk.size(); ++i) {
-      Scan& scan = p.scans[chunk.scan[i]];
+      if (!of_scan || chunk.scan[i] != scan_number) {
+        scan_number = chunk.scan[i];
+        of_scan = &p.scans[scan_number];
+      }
+      Scan& scan = *of_scan;
       ++scan.beams;
       scan.origin += chunk.origin[i];
       if (chunk.is_hit(i)) {

@@ -1,7 +1,6 @@
 #include "underbrush/likelihood/likelihood.hpp"
 
 #include <algorithm>
-#include <array>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -35,6 +34,7 @@ void check(const elements::Model& start, const LikelihoodOptions& options,
            const RefinementLimits& limits) {
   require(start.voxel_m == 0, "likelihood: ellipsoids bounded by voxels cannot be refined");
   require(options.held_out.one_in > 1, "likelihood: some of the beams must be held out");
+  require(!options.shares.empty(), "likelihood: the steps have no share of the beams");
   require(options.dropout > 0 && options.dropout <= 0.9, "likelihood: dropout must be in (0, 0.9]");
   require(options.maximisation.spent_at_start >= 0,
           "likelihood: the start's parameters must not be negative");
@@ -99,7 +99,7 @@ Refinement Refiner::begin() {
 
 std::optional<credit::BeamShare> Refinement::wanted(const LikelihoodOptions& options) const {
   if (round >= options.rounds || stride < 0.05) return {};
-  return share_of_round(report.training_beams, round, options.rounds);
+  return share_of_round(report.training_beams, round, options);
 }
 
 void Refiner::maximise(Refinement& r, const Expectation& seen) {
@@ -129,11 +129,10 @@ Refined Refiner::finish(Refinement r) {
           std::move(r.report)};
 }
 
-credit::BeamShare share_of_round(size_t beams, int round, int rounds) {
-  constexpr std::array<credit::BeamShare, 4> kFirst{{{0, 2}, {2, 4}, {4, 6}, {6, 8}}};
-  const size_t last = kFirst.size();
-  const size_t k = size_t(round) + (size_t(rounds) < last + 1 ? last + 1 - size_t(rounds) : 0);
-  return beams < credit::kLongLog || k >= last ? credit::BeamShare() : kFirst[k];
+credit::BeamShare share_of_round(size_t beams, int round, const LikelihoodOptions& options) {
+  const size_t shares = options.shares.size(), rounds = size_t(options.rounds);
+  const size_t k = size_t(round) + (rounds < shares ? shares - rounds : 0);
+  return beams < credit::kLongLog ? credit::BeamShare() : options.shares[std::min(k, shares - 1)];
 }
 
 Refined refine(const elements::Model& start, BeamSource& source, const LikelihoodOptions& options,

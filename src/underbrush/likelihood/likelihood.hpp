@@ -23,6 +23,8 @@ inline constexpr size_t kListBytes = size_t(1) << 29;
 struct LikelihoodOptions {
   credit::HeldOut held_out;
   int rounds = 5;  ///< Largest number of M-steps.
+  /// The training beams of the steps of a long log (`share_of_round`).
+  std::vector<credit::BeamShare> shares{{0, 2}, {2, 4}, {4, 6}, {6, 8}, {0, 8}};
   /// A step is kept if it lowers the held-out −log f by this, nats a beam.
   double least_gain = 0.0005;
   /// The probability ε_m that a return was lost, as the expectation step uses it. It must be small
@@ -117,11 +119,11 @@ class Refiner {
   std::unique_ptr<State> state_;
 };
 
-/// The share of the training beams from which a round of `rounds` takes its M-step. The first steps
-/// move all elements far and need only a rough estimate: of a long log (`kLongLog`) each of the
-/// first four takes another quarter, and later ones take all beams. With fewer than five rounds,
-/// only the last of these shares are used.
-credit::BeamShare share_of_round(size_t beams, int round, int rounds);
+/// The share of the training beams from which a round takes its M-step. The first steps move all
+/// elements far and need only a rough estimate, so of a long log (`kLongLog`) each takes its share
+/// of `options.shares`, and further ones take the last. With fewer rounds than shares, only the
+/// last shares are used. Of a shorter log, all beams are used.
+credit::BeamShare share_of_round(size_t beams, int round, const LikelihoodOptions& options);
 
 /// Refines a model by steps. A step is kept only if it raises the likelihood of the held-out beams.
 /// The steps are:

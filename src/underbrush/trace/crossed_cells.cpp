@@ -23,6 +23,22 @@ void cells_of_steps(const Vec3& start, const Vec3& direction, double from_m, dou
 }
 
 UNDERBRUSH_CLONES
+uint32_t entered_cells(const StepCells& cells, const Cell3& last) {
+  constexpr size_t kSteps = StepCells::kSteps;
+  std::array<int32_t, kSteps> change{};
+  const auto compare = [&](const std::array<int32_t, kSteps>& at, int32_t before) {
+    change[0] |= at[0] ^ before;
+    for (size_t k = 1; k < kSteps; ++k) change[k] |= at[k] ^ at[k - 1];
+  };
+  compare(cells.x, last.x);
+  compare(cells.y, last.y);
+  compare(cells.z, last.z);
+  uint32_t out = 0;
+  for (size_t k = 0; k < kSteps; ++k) out |= uint32_t(change[k] != 0) << k;
+  return out;
+}
+
+UNDERBRUSH_CLONES
 uint32_t drawn_at_most(double most, uint64_t key, const StepCells& cells) {
   // A draw is (b + 1/2) 2⁻⁵² with 52 random bits b.
   const auto limit = int64_t(std::min(most, 1.0) * 0x1p52);

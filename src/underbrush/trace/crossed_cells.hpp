@@ -22,6 +22,10 @@ struct StepCells {
 void cells_of_steps(const Vec3& start, const Vec3& direction, double from_m, double step_m,
                     double cell_m, StepCells& cells);
 
+/// The steps, as bits, whose cell is not that of the step before; `last` is the cell before the
+/// first step.
+uint32_t entered_cells(const StepCells& cells, const Cell3& last);
+
 /// The steps, as bits, that have a draw of at most `most` in their cells. The draw of a cell is
 /// uniform, of the cell's hash and `key`.
 uint32_t drawn_at_most(double most, uint64_t key, const StepCells& cells);
