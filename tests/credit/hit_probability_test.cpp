@@ -157,31 +157,6 @@ TEST(CountHits, GivesThePermeabilityOfThePapersExample) {
   EXPECT_FLOAT_EQ(1 - model.ellipsoids[0].hit.p, 0.25f);
 }
 
-TEST(CountHits, AShareOfALongLogStandsForAllOfIt) {
-  std::vector<float> ranges(kLongLog + 1);
-  Stream random(14);
-  // A share is one of ranges and directions.
-  for (float& r : ranges)
-    r = (random.uniform() < 0.3 ? 5.0f : 10.0f) + float(0.1 * random.uniform());
-  BeamLog log = beams_along_x(ranges);
-  CreditOptions quarter;
-  quarter.share = {2, 4};
-  const auto counts_of = [&] {
-    elements::Model model = row_of_ellipsoids({5});
-    MemorySource source(log);
-    count_hits(model, source, quarter);
-    return model.ellipsoids[0].hit;
-  };
-  const elements::HitCount part = counts_of();
-  EXPECT_NEAR(part.p, 0.3, 0.005);
-  // Four times a count of a quarter has the standard deviation √(3 n).
-  EXPECT_NEAR(double(part.hits) + part.misses, double(log.size()), 5 * std::sqrt(3e6));
-  EXPECT_EQ(part.hits % 4, 0u);
-  log.resize(kLongLog / 2);
-  const elements::HitCount all = counts_of();
-  EXPECT_EQ(all.hits + all.misses, log.size()) << "of a shorter log all beams count";
-}
-
 TEST(CountHits, RefusesWhatHasNoName) {
   elements::Model model = row_of_ellipsoids({5});
   const BeamLog log = beams_along_x({5});

@@ -24,12 +24,6 @@ TEST(Effort, SaysHowMuchOfALongLogTheStepsUse) {
   EXPECT_EQ(beams_of("medium"), 2);
   EXPECT_EQ(beams_of("high"), 5);
   EXPECT_THROW(effort_named("extreme"), std::invalid_argument);
-  FitOptions few;
-  few.effort = "low";
-  few.likelihood.rounds = 1;
-  EXPECT_EQ(likelihood_options(few).rounds, 1) << "fewer rounds can be asked for";
-  EXPECT_EQ(start_options(few).credit.share.weight(), 2u);
-  EXPECT_TRUE(start_options({}).credit.share.is_all());
 }
 
 }  // namespace

@@ -36,7 +36,12 @@ unsigned BeamShare::number_of(const BeamLog& log, size_t i) {
 bool TrainingSource::next(BeamLog& chunk) {
   BeamLog all;
   while (source_.next(all)) {
-    const std::vector<uint8_t> apart = held_out_.of(all);
+    std::vector<uint8_t> apart = held_out_.of(all);
+    if (!share_.is_all()) {
+      parallel_for(all.size(), 4096, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) apart[i] |= !share_.has(all, i);
+      });
+    }
     chunk = all.like();
     chunk.reserve(all.size());
     for (size_t i = 0, from = 0; i <= all.size(); ++i) {

@@ -36,13 +36,16 @@ struct BeamShare {
   static unsigned number_of(const BeamLog& log, size_t i);
 };
 
-/// A source that leaves out the held-out beams of another source, which must outlive it.
+/// A source that leaves out the held-out beams of another source, which must outlive it, and of a
+/// long log (`kLongLog`) the beams outside of a share.
 class TrainingSource : public BeamSource {
  public:
-  TrainingSource(BeamSource& source, const HeldOut& held_out)
-      : source_(source), held_out_(held_out) {}
+  TrainingSource(BeamSource& source, const HeldOut& held_out, BeamShare share = {})
+      : source_(source),
+        held_out_(held_out),
+        share_(source.size() < kLongLog ? BeamShare() : share) {}
   const LogInfo& info() const override { return source_.info(); }
-  /// The number of beams of the source, held-out ones included.
+  /// The number of beams of the source, with those that are left out.
   size_t size() const override { return source_.size(); }
   void rewind() override { source_.rewind(); }
   bool next(BeamLog& chunk) override;
@@ -50,6 +53,7 @@ class TrainingSource : public BeamSource {
  private:
   BeamSource& source_;
   HeldOut held_out_;
+  BeamShare share_;
 };
 
 }  // namespace underbrush::credit

@@ -10,8 +10,8 @@
 namespace underbrush::credit {
 namespace {
 
-void add_shared(uint32_t count, uint32_t& counter) {
-  std::atomic_ref<uint32_t>(counter).fetch_add(count, std::memory_order_relaxed);
+void add_one(uint32_t& counter) {
+  std::atomic_ref<uint32_t>(counter).fetch_add(1, std::memory_order_relaxed);
 }
 
 void check(const CreditOptions& options) {
@@ -124,7 +124,6 @@ void Tally::add(const trace::World& world, BeamSource& source, const CreditOptio
   BeamLog chunk;
   size_t done = 0;
   const size_t meshes = model.triangle_count();
-  const BeamShare share = source.size() < kLongLog ? BeamShare() : options.share;
   while (source.next(chunk)) {
     if (!zero_s && !chunk.empty()) zero_s = chunk.time_s.front();
     const trace::RangeLimits limits{info.min_range_m,
@@ -132,10 +131,7 @@ void Tally::add(const trace::World& world, BeamSource& source, const CreditOptio
     parallel_for(chunk.size(), 2048, [&](size_t begin, size_t end) {
       std::vector<Ray> rays;
       std::vector<double> reach;
-      std::vector<size_t> rows;
       for (size_t i = begin; i < end; ++i) {
-        if (!share.has(chunk, i)) continue;
-        rows.push_back(i);
         rays.push_back(chunk.ray(i));
         // The tracer lists an element if the ray enters its bounds before the reach. For an
         // ellipsoid that holds the point this is so at the point, for a triangle within the largest
@@ -146,9 +142,8 @@ void Tally::add(const trace::World& world, BeamSource& source, const CreditOptio
       trace::IntersectionLists met;
       world.all_intersections(rays, limits, reach, met, trace::World::Sequence::kAny);
       std::vector<Credit> said;
-      for (size_t n = 0; n < rows.size(); ++n) {
-        const size_t i = rows[n];
-        const std::span<const trace::Intersection> list = met[n];
+      for (size_t i = begin; i < end; ++i) {
+        const std::span<const trace::Intersection> list = met[i - begin];
         if (chunk.flags[i] & kMover) {
           credit_passes(list, chunk.range_m[i], options, said);
         } else {
@@ -158,13 +153,13 @@ void Tally::add(const trace::World& world, BeamSource& source, const CreditOptio
           if (said[k] == Credit::kNothing) continue;
           const bool is_hit = said[k] == Credit::kHit;
           const uint32_t element = list[k].element;
-          add_shared(share.weight(), is_hit ? of[element].hits : of[element].misses);
+          add_one(is_hit ? of[element].hits : of[element].misses);
           if (element >= meshes) {
             TrialTimes& when = times[element - meshes];
             (is_hit ? when.hits : when.misses).add_shared(chunk.time_s[i] - *zero_s);
           }
           if (is_hit) {
-            add_residual(model, list[k], rays[n].direction, chunk.range_m[i], residuals);
+            add_residual(model, list[k], rays[i - begin].direction, chunk.range_m[i], residuals);
           }
         }
       }

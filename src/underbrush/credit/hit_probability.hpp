@@ -11,7 +11,6 @@
 
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/credit/beta_prior.hpp"
-#include "underbrush/credit/held_out.hpp"
 #include "underbrush/credit/mesh_noise.hpp"
 #include "underbrush/credit/trial_times.hpp"
 #include "underbrush/trace/world.hpp"
@@ -35,8 +34,6 @@ struct CreditOptions {
   HitPrior triangle{1e4, 0};
   double max_residual_for_hit_m =
       0.75;  ///< A triangle explains a point nearer than this along the beam, m.
-  /// The beams of a long log (`kLongLog`) that are counted, each for `share.weight()` beams.
-  BeamShare share;
 };
 
 /// The credit that one beam gives to an element that it meets.
@@ -80,13 +77,13 @@ struct Tally {
   /// Starts without beams. Throws `std::invalid_argument` for an unknown rule and for options out
   /// of range.
   Tally(const elements::Model& model, const CreditOptions& options);
-  /// Adds the beams of `source` (those of `options.share`). `world` is that of the model, whose
-  /// elements all have p = 1; `progress(done, total)` may be empty.
+  /// Adds all beams of `source`. `world` is that of the model, whose elements all have p = 1;
+  /// `progress(done, total)` may be empty.
   void add(const trace::World& world, BeamSource& source, const CreditOptions& options,
            const std::function<void(size_t, size_t)>& progress = {});
 };
 
-/// Counts the hits and misses of all elements of `model` over the beams of `source`, estimates p
+/// Counts the hits and misses of all elements of `model` over all beams of `source`, estimates p
 /// from them, and returns the tally. Elements that no beam met get the prior's mean.
 /// `progress(done, total)` may be empty. Throws `std::invalid_argument` for an unknown rule and for
 /// options out of range.

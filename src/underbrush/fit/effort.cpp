@@ -1,7 +1,6 @@
 #include "underbrush/fit/effort.hpp"
 
 #include <algorithm>
-#include <climits>
 #include <stdexcept>
 #include <string>
 
@@ -13,9 +12,9 @@ namespace {
 
 const std::vector<Effort>& efforts() {
   static const std::vector<Effort> kEfforts{
-      {"low", {0, 4}, {{0, 2}, {2, 4}, {4, 8}}, 3, 2},
-      {"medium", {}, likelihood::LikelihoodOptions{}.shares, INT_MAX, calibrate::kSamplesOfLight},
-      {"high", {}, {{0, 8}}, INT_MAX, calibrate::kSamplesOfLight}};
+      {"low", {0, 4}, {{0, 1}, {1, 2}, {2, 3}, {3, 4}, {4, 8}}, 2},
+      {"medium", {}, likelihood::LikelihoodOptions{}.shares, calibrate::kSamplesOfLight},
+      {"high", {}, {{0, 8}}, calibrate::kSamplesOfLight}};
   return kEfforts;
 }
 

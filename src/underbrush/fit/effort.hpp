@@ -12,10 +12,9 @@ namespace underbrush::fit {
 /// shorter ones all beams are used.
 struct Effort {
   std::string_view name;
-  credit::BeamShare start;  ///< The beams whose hits and misses the start counts.
+  credit::BeamShare start;  ///< The beams to which the start is fitted.
   /// The training beams of each M-step; further steps use the last share.
   std::vector<credit::BeamShare> steps;
-  int most_rounds;          ///< Largest number of M-steps.
   size_t samples_of_light;  ///< Returns from which the reflectance of an element is learnt, about.
 };
 

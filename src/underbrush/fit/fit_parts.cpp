@@ -26,9 +26,10 @@ constexpr size_t kKeptBytes = size_t(3) << 27;
 FitResult start_model(BeamSource& source, const FitOptions& options,
                       const credit::HeldOut& held_out, const FitProgress& progress) {
   if (elements::is_model(options.start)) return {elements::read_model(options.start), {}, {}, {}};
-  credit::TrainingSource training(source, held_out);
+  credit::TrainingSource all(source, held_out);
+  credit::TrainingSource training(source, held_out, effort_named(options.effort).start);
   FitOptions start = start_options(options);
-  start.volumetric.spacing = cluster::beam_spacing(training);
+  start.volumetric.spacing = cluster::beam_spacing(all);
   return start_of(options).fit(training, start, progress);
 }
 

@@ -1,7 +1,5 @@
 #include "underbrush/fit/part_options.hpp"
 
-#include <algorithm>
-
 #include "underbrush/fit/effort.hpp"
 #include "underbrush/fit/fitters.hpp"
 
@@ -11,7 +9,6 @@ FitOptions start_options(FitOptions options) {
   if (!fitter_named(options.fitter).refines) return options;
   options.fitter = start_of(options).name;
   options.credit.triangle = options.likelihood.maximisation.triangle;
-  options.credit.share = effort_named(options.effort).start;
   // Refinement shares points between ellipsoids anyway, but only the mixture removes a footprint.
   if (!options.volumetric.mixture.footprint) options.volumetric.mixture.rounds = 0;
   return options;
@@ -26,9 +23,7 @@ likelihood::LikelihoodOptions likelihood_options(const FitOptions& options) {
   out.range_noise_m = options.range_noise_m;
   out.maximisation.floor_m = least_extent_m(options);
   out.held_out.seed = options.seed;
-  const Effort& effort = effort_named(options.effort);
-  out.shares = effort.steps;
-  out.rounds = std::min(out.rounds, effort.most_rounds);
+  out.shares = effort_named(options.effort).steps;
   return out;
 }
 
