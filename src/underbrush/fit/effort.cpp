@@ -1,6 +1,7 @@
 #include "underbrush/fit/effort.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 
@@ -10,25 +11,25 @@
 namespace underbrush::fit {
 namespace {
 
-const std::vector<Effort>& efforts() {
-  static const std::vector<Effort> kEfforts{
-      {"low", {0, 4}, {{0, 1}, {1, 2}, {2, 3}, {3, 4}, {4, 8}}, 2},
-      {"medium", {}, likelihood::LikelihoodOptions{}.shares, calibrate::kSamplesOfLight},
-      {"high", {}, {{0, 8}}, calibrate::kSamplesOfLight}};
-  return kEfforts;
-}
+using credit::BeamShare;
+
+constexpr BeamShare kHalf{0, 4};
+constexpr BeamShare kFewBeams[] = {{0, 1}, {1, 2}, {2, 3}, {3, 4}, {4, 8}}, kAllBeams[] = {{0, 8}};
+constexpr Effort kEfforts[] = {{"low", kHalf, kFewBeams, 2},
+                               {"medium", {}, likelihood::kUsualShares, calibrate::kSamplesOfLight},
+                               {"high", {}, kAllBeams, calibrate::kSamplesOfLight}};
 
 }  // namespace
 
 std::vector<std::string_view> effort_names() {
   std::vector<std::string_view> out;
-  for (const Effort& e : efforts()) out.push_back(e.name);
+  for (const Effort& e : kEfforts) out.push_back(e.name);
   return out;
 }
 
 const Effort& effort_named(std::string_view name) {
-  const auto found = std::ranges::find(efforts(), name, &Effort::name);
-  if (found == efforts().end()) {
+  const auto* const found = std::ranges::find(kEfforts, name, &Effort::name);
+  if (found == std::end(kEfforts)) {
     throw std::invalid_argument("fit: there is no effort " + std::string(name));
   }
   return *found;

@@ -1,6 +1,7 @@
 /// \file
 /// The efforts of a fit: how much of a long log it uses.
 #pragma once
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -14,7 +15,7 @@ struct Effort {
   std::string_view name;
   credit::BeamShare start;  ///< The beams to which the start is fitted.
   /// The training beams of each M-step; further steps use the last share.
-  std::vector<credit::BeamShare> steps;
+  std::span<const credit::BeamShare> steps;
   size_t samples_of_light;  ///< Returns from which the reflectance of an element is learnt, about.
 };
 

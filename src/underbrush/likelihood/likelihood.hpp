@@ -4,6 +4,7 @@
 #pragma once
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -19,12 +20,16 @@ namespace likelihood {
 /// The memory for the training beams of a refinement, bytes.
 inline constexpr size_t kListBytes = size_t(1) << 29;
 
+/// The training beams of the steps of a long log, unless others are asked for.
+inline constexpr credit::BeamShare kUsualShares[] = {{0, 2}, {2, 4}, {4, 6}, {6, 8}, {0, 8}};
+
 /// The options of `refine`.
 struct LikelihoodOptions {
   credit::HeldOut held_out;
   int rounds = 5;  ///< Largest number of M-steps.
-  /// The training beams of the steps of a long log (`share_of_round`).
-  std::vector<credit::BeamShare> shares{{0, 2}, {2, 4}, {4, 6}, {6, 8}, {0, 8}};
+  /// The training beams of the steps of a long log (`share_of_round`); what they refer to must
+  /// outlive the options.
+  std::span<const credit::BeamShare> shares = kUsualShares;
   /// A step is kept if it lowers the held-out −log f by this, nats a beam.
   double least_gain = 0.0005;
   /// The probability ε_m that a return was lost, as the expectation step uses it. It must be small
