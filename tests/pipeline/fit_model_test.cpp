@@ -80,7 +80,7 @@ TEST(UpdateModel, IsTheUpdateThroughAFolderOrInMemory) {
   write_trained(drives.folder / "model", first);
   const BeamLog more = io::read_log(drives.second);
   const update::UpdateResult expected = update::updated(
-      {first.model, {}, first.training.record}, {&drives.log}, more, update::UpdateOptions());
+      {first.model, {}, first.training.record, {}}, {&drives.log}, more, update::UpdateOptions());
   for (const TrainedModel& known : {TrainedModel(first), read_trained(drives.folder / "model")}) {
     const auto log = open_log(drives.second, false);
     const UpdatedModel grown = update_model(known, {*log, drives.second}, {}, names.provenance());

@@ -77,7 +77,7 @@ inline UpdateResult updated(fit::FitResult known, const std::vector<const BeamLo
   return update(std::move(known), given, added, options, refitting);
 }
 
-inline fit::FitResult as_fit(const UpdateResult& u) { return {u.model, {}, u.record}; }
+inline fit::FitResult as_fit(const UpdateResult& u) { return {u.model, {}, u.record, {}}; }
 
 inline bool same(const elements::Ellipsoid& a, const elements::Ellipsoid& b) {
   return a.mean == b.mean && a.covariance == b.covariance && a.hit.hits == b.hit.hits &&
