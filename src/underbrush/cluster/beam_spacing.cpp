@@ -141,6 +141,7 @@ BeamSpacing beam_spacing(BeamSource& log) {
     }
   }
   std::vector<std::map<uint16_t, Ring>*> rings;
+  rings.reserve(scans.size());
   for (auto& [number, of_scan] : scans) rings.push_back(&of_scan);
   std::vector<std::optional<Angles>> of_scan(rings.size());
   parallel_for(rings.size(), 1, [&](size_t k, size_t) { of_scan[k].emplace(*rings[k]); });
