@@ -22,6 +22,17 @@ namespace {
 /// The memory for the beams of a log that is read once, bytes.
 constexpr size_t kKeptBytes = size_t(3) << 27;
 
+/// Counts the hits and misses of a log, of which only a share was fitted to.
+void count_beams(BeamSource& log, FitReport& report) {
+  report.beams = report.hits = 0;
+  log.rewind();
+  for (BeamLog chunk; log.next(chunk);) {
+    report.beams += chunk.size();
+    for (size_t i = 0; i < chunk.size(); ++i) report.hits += chunk.is_hit(i);
+  }
+  report.misses = report.beams - report.hits;
+}
+
 /// Makes the model that `likelihood` starts from, fitted to the beams that are not held out.
 FitResult start_model(BeamSource& source, const FitOptions& options,
                       const credit::HeldOut& held_out, const FitProgress& progress) {
@@ -30,7 +41,9 @@ FitResult start_model(BeamSource& source, const FitOptions& options,
   credit::TrainingSource training(source, held_out, effort_named(options.effort).start);
   FitOptions start = start_options(options);
   start.volumetric.spacing = cluster::beam_spacing(all);
-  return start_of(options).fit(training, start, progress);
+  FitResult out = start_of(options).fit(training, start, progress);
+  if (!effort_named(options.effort).start.is_all()) count_beams(all, out.report);
+  return out;
 }
 
 void warn_of_footprint(const FitOptions& options, std::string_view clustering, FitReport& report) {
