@@ -24,13 +24,11 @@ constexpr size_t kKeptBytes = size_t(3) << 27;
 
 /// Counts the hits and misses of a log, of which only a share was fitted to.
 void count_beams(BeamSource& log, FitReport& report) {
-  report.beams = report.hits = 0;
+  report.hits = report.misses = 0;
   log.rewind();
   for (BeamLog chunk; log.next(chunk);) {
-    report.beams += chunk.size();
-    for (size_t i = 0; i < chunk.size(); ++i) report.hits += chunk.is_hit(i);
+    for (size_t i = 0; i < chunk.size(); ++i) ++(chunk.is_hit(i) ? report.hits : report.misses);
   }
-  report.misses = report.beams - report.hits;
 }
 
 /// Makes the model that `likelihood` starts from, fitted to the beams that are not held out.
