@@ -13,9 +13,8 @@ namespace {
 
 using credit::BeamShare;
 
-constexpr BeamShare kHalf{0, 4};
 constexpr BeamShare kFewBeams[] = {{0, 1}, {1, 2}, {2, 3}, {3, 4}, {4, 8}}, kAllBeams[] = {{0, 8}};
-constexpr Effort kEfforts[] = {{"low", kHalf, kFewBeams, 2},
+constexpr Effort kEfforts[] = {{"low", {0, 4}, kFewBeams, 2},
                                {"medium", {}, likelihood::kUsualShares, calibrate::kSamplesOfLight},
                                {"high", {}, kAllBeams, calibrate::kSamplesOfLight}};
 
