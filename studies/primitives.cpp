@@ -81,6 +81,7 @@ StudyResult study_primitives(const StudyRun& run) {
     primitives::write_primitives(folder / where, plant_meshes::mesh_primitives(plants), 2, "");
   };
   add_meshes(kTrueSpecies, "meshes", pipeline::generated_plants(kMeshSeed));
+  options.meshes.push_back({"meshes, not adapted", options.meshes[0].folder, false});
   add_meshes("meshes (other species)", "meshes-other",
              pipeline::generated_plants(kMeshSeed, kOtherSpecies));
   const fs::path files = run.data / "meshes";
@@ -92,7 +93,8 @@ StudyResult study_primitives(const StudyRun& run) {
   add_drives(run, options, result);
   result.notes.push_back(
       "True species: the generated sites' own, other individuals, a stronger baseline than the "
-      "paper's, whose meshes were of other plants. The verdict is against these.");
+      "paper's, whose meshes were of other plants. The verdict is against these, adapted to the "
+      "objects as primitives are.");
   return result;
 }
 

@@ -54,7 +54,12 @@ CutPrimitives cut_primitives(const SitePair& pair, const elements::Model& traine
 struct MeshSet {
   std::string name;
   std::filesystem::path folder;
+  bool adapted = true;  ///< Whether `adaptable_meshes` comes before the composition.
 };
+/// Returns a set of mesh primitives with the layers of points drawn evenly over the surface of
+/// each, so that `compose` adapts them to the objects as it adapts primitives that are cut from
+/// logs.
+primitives::PrimitiveSet adaptable_meshes(primitives::PrimitiveSet set);
 
 /// Options of `run_pair`.
 struct PairOptions {

@@ -3,6 +3,7 @@
 
 #include "studies/primitives.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/rng.hpp"
 #include "underbrush/metrics/always_hit.hpp"
 #include "underbrush/pipeline/annotate_site.hpp"
 #include "underbrush/pipeline/compose_scene.hpp"
@@ -10,10 +11,38 @@
 #include "underbrush/pipeline/labelled_log.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 #include "underbrush/primitives/leave_out.hpp"
+#include "underbrush/primitives/measure.hpp"
 #include "underbrush/primitives/segment_log.hpp"
 
 namespace underbrush::studies {
 using primitives::Primitive;
+namespace {
+
+constexpr size_t kPointsOfMesh = 4096;
+
+/// Points drawn evenly over the area of a mesh.
+std::vector<Vec3> points_on(const elements::TriangleMesh& mesh) {
+  const auto corner = [&](size_t t, size_t k) -> Vec3 {
+    return mesh.vertices[mesh.triangles[t][k]].cast<double>();
+  };
+  std::vector<double> area(mesh.triangles.size());
+  for (size_t t = 0; t < area.size(); ++t) {
+    area[t] = (t > 0 ? area[t - 1] : 0) +
+              (corner(t, 1) - corner(t, 0)).cross(corner(t, 2) - corner(t, 0)).norm();
+  }
+  Stream random(1);
+  std::vector<Vec3> out(kPointsOfMesh);
+  for (size_t k = 0; k < out.size(); ++k) {
+    const double at = (double(k) + 0.5) / double(out.size()) * area.back();
+    const auto t = size_t(std::ranges::lower_bound(area, at) - area.begin());
+    double u = random.uniform(), v = random.uniform();
+    if (u + v > 1) u = 1 - u, v = 1 - v;
+    out[k] = corner(t, 0) + u * (corner(t, 1) - corner(t, 0)) + v * (corner(t, 2) - corner(t, 0));
+  }
+  return out;
+}
+
+}  // namespace
 
 BeamLog answers_of_world(const pipeline::TracedWorld& world, const BeamLog& beams, uint64_t seed) {
   pipeline::SimulateOptions options;
@@ -65,6 +94,13 @@ CutPrimitives cut_primitives(const SitePair& pair, const elements::Model& traine
   return out;
 }
 
+primitives::PrimitiveSet adaptable_meshes(primitives::PrimitiveSet set) {
+  for (size_t k = 0; k < set.entries.size(); ++k) {
+    set.entries[k].layers = primitives::layers_of(points_on(read_primitive(set, k).surface));
+  }
+  return set;
+}
+
 PairOutcome run_pair(const SitePair& pair, const PairOptions& o) {
   PairOutcome out;
   out.name = pair.name;
@@ -85,6 +121,7 @@ PairOutcome run_pair(const SitePair& pair, const PairOptions& o) {
   for (const MeshSet& meshes : o.meshes) {
     names.push_back(meshes.name);
     sets.push_back(primitives::read_primitive_set(meshes.folder));
+    if (meshes.adapted) sets.back() = adaptable_meshes(std::move(sets.back()));
   }
   std::vector<primitives::Composition> composed(sets.size());
   std::vector<BeamLog> logs(sets.size());

@@ -181,6 +181,7 @@ def transfer(folder):
 
 def scenes(where, group, spread):
     rows = {"primitives": ["primitives"], "meshes (generated sites": ["meshes", "meshes (true species)"],
+            "meshes, not adapted": ["meshes, not adapted"],
             "meshes (other species)": ["meshes (other species)"], "fit of the test log": ["geospecific"],
             "replay": ["replay"], "always hit": ["always hit"]}
 

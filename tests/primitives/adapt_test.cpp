@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "primitives/layers.hpp"
 #include "underbrush/core/rng.hpp"
+#include "underbrush/primitives/measure.hpp"
 
 namespace underbrush::primitives {
 namespace {
@@ -14,30 +16,35 @@ constexpr size_t kEllipsoids = 1000;
 const double kHalf = std::pow(0.5, 0.75), kDouble = std::pow(2, 0.75), kMost = std::pow(5, 0.75);
 
 /// A body of ellipsoids, denser towards its lower corner by the exponents `bend`, in a box of this
-/// size, with the quantiles of its ellipsoids.
+/// size, with the layers of its ellipsoids.
 struct Body {
   elements::Model model;
   PlacedObject object;
   PrimitiveEntry entry() const {
     PrimitiveEntry e;
     e.box = object.box;
-    e.quantiles = object.quantiles;
+    e.layers = object.layers;
     e.beams = object.beams;
     return e;
   }
 };
 
-std::array<Vec3, 5> quantiles_of(const elements::Model& model) {
-  std::array<Vec3, 5> out;
-  for (int d = 0; d < 3; ++d) {
-    std::vector<float> x;
-    for (const elements::Ellipsoid& e : model.ellipsoids) x.push_back(e.mean[d]);
-    std::sort(x.begin(), x.end());
+PointLayers layers_of(const elements::Model& model) {
+  std::vector<Vec3> points;
+  for (const elements::Ellipsoid& e : model.ellipsoids) points.push_back(e.mean.cast<double>());
+  return primitives::layers_of(std::move(points));
+}
+
+/// The greatest difference between places of layers, m.
+double difference(const PointLayers& a, const PointLayers& b) {
+  double most = 0;
+  for (size_t l = 0; l < 5; ++l) {
     for (size_t q = 0; q < 5; ++q) {
-      out[q][d] = double(x[size_t(PlacedObject::kShares[q] * double(x.size() - 1))]);
+      most = std::max({most, std::abs(a.z[l] - b.z[l]), std::abs(a.x[l][q] - b.x[l][q]),
+                       std::abs(a.y[l][q] - b.y[l][q])});
     }
   }
-  return out;
+  return most;
 }
 
 Body body(uint64_t seed, const Vec3& size, const Vec3& bend) {
@@ -55,7 +62,7 @@ Body body(uint64_t seed, const Vec3& size, const Vec3& bend) {
     e.density_per_m = 2;
     out.model.ellipsoids.push_back(e);
   }
-  out.object.quantiles = quantiles_of(out.model);
+  out.object.layers = layers_of(out.model);
   return out;
 }
 
@@ -63,15 +70,57 @@ TEST(Adapt, ElementsLieWhereThePointsOfTheObjectDo) {
   const Body from = body(1, Vec3(3, 2, 5), Vec3(1, 3, 0.4));
   const Body to = body(2, Vec3(4, 1.5, 7), Vec3(2, 0.5, 1.5));
   const elements::Model m = adapted(from.model, from.entry(), to.object);
-  const std::array<Vec3, 5> got = quantiles_of(m);
-  for (size_t q = 0; q < 5; ++q) EXPECT_LT((got[q] - to.object.quantiles[q]).norm(), 1e-4);
+  EXPECT_LT(difference(layers_of(m), to.object.layers), 0.2);  // between layers the maps are mixed
+  EXPECT_GT(difference(from.object.layers, to.object.layers), 1);
   for (size_t k = 0; k < kEllipsoids; ++k) {
-    const elements::Ellipsoid &a = from.model.ellipsoids[k], &b = m.ellipsoids[k];
-    EXPECT_EQ(a.covariance, b.covariance);
-    EXPECT_EQ(a.hit.p, b.hit.p);  // The beams are not known.
-    EXPECT_TRUE((b.mean.cast<double>() - to.object.box.min).minCoeff() > -1e-5);
-    EXPECT_TRUE((to.object.box.max - b.mean.cast<double>()).minCoeff() > -1e-5);
+    EXPECT_EQ(from.model.ellipsoids[k].hit.p, m.ellipsoids[k].hit.p);  // The beams are not known.
+    EXPECT_GE(m.ellipsoids[k].mean.z(), to.object.box.min.z() - 1e-5);
+    EXPECT_LE(m.ellipsoids[k].mean.z(), to.object.box.max.z() + 1e-5);
   }
+}
+
+/// A trunk of the width 0.4 m about (x, 0) up to 2 m, under a crown of the width 4 m about (0, 0).
+Body tree(uint64_t seed, double trunk_x) {
+  Body out = body(seed, Vec3(4, 4, 5), Vec3(1, 1, 1));
+  for (elements::Ellipsoid& e : out.model.ellipsoids) {
+    if (e.mean.z() >= 2) continue;
+    e.mean.x() = float(0.1 * double(e.mean.x()) + trunk_x);
+    e.mean.y() *= 0.1F;
+  }
+  out.object.layers = layers_of(out.model);
+  return out;
+}
+
+TEST(Adapt, EachLayerMovesByItself) {
+  const Body from = tree(6, -1), to = tree(7, 1.5);
+  const elements::Model m = adapted(from.model, from.entry(), to.object);
+  for (size_t k = 0; k < kEllipsoids; ++k) {
+    const Vec3f &was = from.model.ellipsoids[k].mean, &is = m.ellipsoids[k].mean;
+    if (was.z() < 1.4F) EXPECT_NEAR(is.x(), was.x() + 2.5, 0.15);  // trunk
+    if (was.z() > 2.6F) EXPECT_NEAR(is.x(), was.x(), 0.5);         // crown
+  }
+}
+
+TEST(Adapt, EllipsoidsStretchByTheRootOfTheirSurroundings) {
+  const Body from = body(8, Vec3(3, 2, 4), Vec3(1, 1, 1));
+  Body to = from;
+  for (elements::Ellipsoid& e : to.model.ellipsoids) {
+    e.mean = Vec3f(2.25F * e.mean.x(), e.mean.y(), 0.49F * e.mean.z());
+  }
+  to.object.box.max.z() *= 0.49;
+  to.object.layers = layers_of(to.model);
+  elements::Model thin = from.model;
+  for (elements::Ellipsoid& e : thin.ellipsoids) e.set_covariance(0.01 * Mat3::Identity());
+  double x = 0, y = 0, z = 0;
+  for (const elements::Ellipsoid& e : adapted(thin, from.entry(), to.object).ellipsoids) {
+    const Vec3 sides = e.covariance_matrix().diagonal().cwiseSqrt() / 0.1;
+    x += sides.x() / double(kEllipsoids);
+    y += sides.y() / double(kEllipsoids);
+    z += sides.z() / double(kEllipsoids);
+  }
+  EXPECT_NEAR(x, 1.5, 0.1);  // less beyond the outer places, where the map is a shift
+  EXPECT_NEAR(y, 1, 0.01);
+  EXPECT_NEAR(z, 0.7, 0.02);
 }
 
 TEST(Adapt, ToItselfChangesNothing) {
@@ -113,17 +162,17 @@ TEST(Adapt, OpticalDepthFollowsTheReturnsOfEachThird) {
 TEST(Adapt, FlatBodiesStayFinite) {
   const Body from = body(5, Vec3(3, 2, 5), Vec3(1, 1, 1));
   PlacedObject to = from.object;
-  to.quantiles.fill(Vec3(0.1, 0.2, 0.3));
+  to.layers = layers_at(Vec3(0.1, 0.2, 0.3));
   to.box.max.z() = 0.05;
   PrimitiveEntry flat = from.entry();
-  flat.quantiles.fill(Vec3(0.1, 0.2, 0.3));
+  flat.layers = layers_at(Vec3(0.1, 0.2, 0.3));
   for (const PrimitiveEntry& e : {from.entry(), flat}) {
     for (const elements::Ellipsoid& x : adapted(from.model, e, to).ellipsoids) {
       EXPECT_TRUE(x.mean.allFinite());
       EXPECT_LT(x.mean.norm(), 10);
     }
   }
-  to.quantiles = PlacedObject{}.quantiles;
+  to.layers = {};
   EXPECT_FALSE(can_adapt(from.entry(), to));
   EXPECT_THROW(adapted(from.model, from.entry(), to), std::invalid_argument);
 }

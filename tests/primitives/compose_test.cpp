@@ -8,6 +8,7 @@
 #include <set>
 
 #include "io/temporary.hpp"
+#include "primitives/layers.hpp"
 #include "primitives/sites.hpp"
 
 namespace underbrush::primitives {
@@ -172,26 +173,26 @@ TEST_F(Composing, DrawsAmongTheNearest) {
 TEST_F(Composing, TheBestChoiceLooksAtWhereThePointsLie) {
   for (size_t k = 0; k < set.entries.size(); ++k) {  // boxes say nothing
     set.entries[k].box = {Vec3(-1, -1, 0), Vec3(1, 1, 3)};
-    for (Vec3& q : set.entries[k].quantiles) q = Vec3(0, 0, 0.07 * double(k + 1));
+    set.entries[k].layers = layers_at(Vec3(0, 0, 0.07 * double(k + 1)));
   }
   ComposeOptions options;
   options.choose = Choice::kBest;
   for (size_t k = 0; k < annotation.objects.size(); ++k) {
     PlacedObject& o = annotation.objects[k];
     o.box = set.entries[0].box;
-    for (Vec3& q : o.quantiles) q = Vec3(0, 0, 0.07 * double(k % 25 + 1));
+    o.layers = layers_at(Vec3(0, 0, 0.07 * double(k % 25 + 1)));
     o.label = k % 25 < 15 ? Class::kSmallTree : Class::kLargeTree;
   }
   annotation.objects.resize(25);  // one that fits each tree
   const Composition c = compose(annotation, ground, set, options);
   for (size_t k = 0; k < 25; ++k) EXPECT_EQ(number(c, k + 1), k);
   // Where the points are not known, the box decides.
-  for (PlacedObject& o : annotation.objects) o.quantiles = PlacedObject{}.quantiles;
+  for (PlacedObject& o : annotation.objects) o.layers = {};
   EXPECT_EQ(number(compose(annotation, ground, set, options), 1), 0u);
 }
 
 TEST_F(Composing, TheBestChoiceMovesElementsToWhereThePointsOfTheObjectLie) {
-  for (PrimitiveEntry& e : set.entries) e.quantiles.fill(0.5 * (e.box.min + e.box.max));
+  for (PrimitiveEntry& e : set.entries) e.layers = layers_at(0.5 * (e.box.min + e.box.max));
   annotation.objects.resize(60);
   for (size_t k = 0; k < 60; ++k) {  // 20 objects, three times
     PlacedObject& o = annotation.objects[k];
@@ -199,7 +200,7 @@ TEST_F(Composing, TheBestChoiceMovesElementsToWhereThePointsOfTheObjectLie) {
       o.label = annotation.objects[k % 20].label;
       o.box = annotation.objects[k % 20].box;
     }
-    o.quantiles.fill(0.5 * (o.box.min + o.box.max));
+    o.layers = layers_at(0.5 * (o.box.min + o.box.max));
     o.position = Vec3(10 + 7 * double(k / 20 % 2), -20 + 7 * double(k / 40), 0);
   }
   ComposeOptions options;

@@ -232,11 +232,13 @@ TEST(Extract, ObjectsFaceTheBeamsThatMeasuredThem) {
 
 TEST(Extract, MeasuresWhereThePointsLie) {
   const PlacedObject tree = extract_from(site(moved(3, 4, 5, 0.6))).measured.objects.at(0);
-  for (size_t q = 0; q < tree.quantiles.size(); ++q) {  // a uniform body, 6 × 2 × 4.8 m
-    const double share = PlacedObject::kShares[q];
-    EXPECT_NEAR(std::abs(tree.quantiles[q].x()), std::abs(6 * share - 3), 0.2);
-    EXPECT_NEAR(std::abs(tree.quantiles[q].y()), std::abs(2 * share - 1), 0.1);
-    EXPECT_NEAR(tree.quantiles[q].z(), 0.2 + 4.8 * share, 0.1);
+  for (size_t q = 0; q < tree.layers.z.size(); ++q) {  // a uniform body, 6 × 2 × 4.8 m
+    const double share = PointLayers::kShares[q];
+    EXPECT_NEAR(tree.layers.z[q], 0.2 + 4.8 * share, 0.1);
+    for (size_t l = 0; l < tree.layers.z.size(); ++l) {
+      EXPECT_NEAR(std::abs(tree.layers.x[l][q]), std::abs(6 * share - 3), 0.4);
+      EXPECT_NEAR(std::abs(tree.layers.y[l][q]), std::abs(2 * share - 1), 0.15);
+    }
   }
 }
 
@@ -298,10 +300,8 @@ TEST(PrimitiveSet, ComesBackAndCanBeBrowsed) {
     const Primitive& p = r.primitives[k];
     EXPECT_EQ(set.entries[k].label, p.label);
     EXPECT_LT((set.entries[k].box.max - p.box.max).norm(), 1e-3);
-    for (size_t q = 0; q < p.source.quantiles.size(); ++q) {
-      EXPECT_GT(p.source.quantiles[q].norm(), 0);
-      EXPECT_LT((set.entries[k].quantiles[q] - p.source.quantiles[q]).norm(), 1e-3);
-    }
+    EXPECT_TRUE(p.source.layers.known());
+    EXPECT_EQ(set.entries[k].layers, p.source.layers);
     const elements::Model m = read_primitive(set, k);
     ASSERT_EQ(m.ellipsoids.size(), p.model.ellipsoids.size());
     EXPECT_EQ(m.ellipsoids[3].mean, p.model.ellipsoids[3].mean);

@@ -70,15 +70,15 @@ TEST_F(LikeSite, IsAsDenseOnAnyGround) {
 
 TEST_F(LikeSite, TakesWholeObjectsOfTheSite) {
   for (size_t k = 0; k < objects.size(); ++k) {
-    objects[k].quantiles.fill(Vec3(0, 0, double(k + 1)));
+    objects[k].layers.z.fill(double(k + 1));
   }
   model.emplace(fit_site(ground, objects, 2, 1));
   std::set<double> used;
   for (const PlacedObject& o : draw_site(*model, ground, {}).objects) {
-    const auto k = size_t(o.quantiles[0].z()) - 1;
+    const auto k = size_t(o.layers.z[0]) - 1;
     EXPECT_EQ(o.label, objects.at(k).label);
     EXPECT_EQ(o.box.size(), objects[k].box.size());
-    used.insert(o.quantiles[0].z());
+    used.insert(o.layers.z[0]);
   }
   EXPECT_GT(used.size(), objects.size() / 3);
 }

@@ -94,7 +94,7 @@ class OnSites : public testing::Test {
     }
     plant_meshes::MeshPrimitiveOptions meshes;
     meshes.most_scaling = 10;
-    options.meshes = {{"meshes", folder / "meshes"}};
+    options.meshes = {{"meshes", folder / "meshes", false}, {"adapted", folder / "meshes"}};
     primitives::write_primitives(folder / "meshes", plant_meshes::mesh_primitives(blocks, meshes),
                                  2, "");
   }
@@ -112,6 +112,9 @@ TEST_F(OnSites, VerdictFailsOnABrokenModel) {
   EXPECT_LT(score.at("geospecific").all.cloud_error_m, score.at("primitives").all.cloud_error_m);
   EXPECT_GT(score.at("primitives").all.f1, score.at("replay").all.f1);
   EXPECT_EQ(good[0].left_out, 0u);
+  // Blocks as large as the objects are nearer to them once they are adapted.
+  EXPECT_LT(score.at("adapted").all.cloud_error_m, score.at("meshes").all.cloud_error_m);
+  EXPECT_LT(score.at("primitives").all.cloud_error_m, score.at("adapted").all.cloud_error_m);
   // all primitives become 3 m too wide
   options.change = [](std::vector<primitives::Primitive>& all) {
     for (auto& p : all) {

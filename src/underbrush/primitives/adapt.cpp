@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "underbrush/core/check.hpp"
 
@@ -12,18 +13,23 @@ namespace {
 constexpr double kPriorReturns = 40;
 constexpr double kMostFactor = 5;
 constexpr double kTrust = 0.75;
+constexpr double kMostStretch = 4, kLeastReachM = 0.02;
 constexpr double kLeastGapM =
     1e-3;  // Places are known to the millimetre; nearer ones are moved apart.
 
-bool has_quantiles(const std::array<Vec3, 5>& quantiles) {
-  return quantiles != PlacedObject{}.quantiles;
+/// Places apart from each other, upwards.
+std::vector<double> rising(std::vector<double> places) {
+  for (size_t k = 1; k < places.size(); ++k) {
+    places[k] = std::max(places[k], places[k - 1] + kLeastGapM);
+  }
+  return places;
 }
 
 /// A rising map of one coordinate, linear between pairs of places and a shift beyond them.
 class AxisMap {
  public:
-  AxisMap(const Box& box, const std::array<Vec3, 5>& quantiles, const PlacedObject& to, int axis)
-      : from_(places(box, quantiles, axis)), to_(places(to.box, to.quantiles, axis)) {}
+  AxisMap(const std::vector<double>& from, const std::vector<double>& to)
+      : from_(rising(from)), to_(rising(to)) {}
   double operator()(double x) const {
     if (x <= from_.front()) return x + to_.front() - from_.front();
     if (x >= from_.back()) return x + to_.back() - from_.back();
@@ -32,15 +38,54 @@ class AxisMap {
   }
 
  private:
-  using Places = std::array<double, 7>;
-  static Places places(const Box& box, const std::array<Vec3, 5>& quantiles, int axis) {
-    Places out{box.min[axis]};
-    for (size_t q = 0; q < quantiles.size(); ++q) out[q + 1] = quantiles[q][axis];
-    out.back() = box.max[axis];
-    for (size_t k = 1; k < out.size(); ++k) out[k] = std::max(out[k], out[k - 1] + kLeastGapM);
+  std::vector<double> from_, to_;
+};
+
+/// Maps the places of a primitive to those of an object: heights by themselves, and x and y by
+/// height, between the maps of the two layers beside it.
+class BodyMap {
+ public:
+  BodyMap(const PrimitiveEntry& from, const PlacedObject& to)
+      : z_(heights(from.box, from.layers), heights(to.box, to.layers)),
+        middle_(rising(values(from.layers.z))) {
+    for (size_t l = 0; l < middle_.size(); ++l) {
+      x_.emplace_back(values(from.layers.x[l]), values(to.layers.x[l]));
+      y_.emplace_back(values(from.layers.y[l]), values(to.layers.y[l]));
+    }
+  }
+  Vec3 operator()(const Vec3& p) const {
+    const auto above = size_t(std::ranges::upper_bound(middle_, p.z()) - middle_.begin());
+    const size_t high = std::min(above, middle_.size() - 1), low = above > 0 ? above - 1 : 0;
+    const double share = high > low ? (p.z() - middle_[low]) / (middle_[high] - middle_[low]) : 0;
+    return {(1 - share) * x_[low](p.x()) + share * x_[high](p.x()),
+            (1 - share) * y_[low](p.y()) + share * y_[high](p.y()), z_(p.z())};
+  }
+  /// The factors by which the surroundings of a place, as far as `reach_m`, are stretched along the
+  /// axes.
+  Vec3 stretch(const Vec3& p, const Vec3& reach_m) const {
+    Vec3 out;
+    for (int d = 0; d < 3; ++d) {
+      const Vec3 reach = std::max(reach_m[d], kLeastReachM) * Vec3::Unit(d);
+      const double wide = ((*this)(p + reach) - (*this)(p - reach))[d] / (2 * reach[d]);
+      out[d] = std::clamp(wide, 1 / kMostStretch, kMostStretch);
+    }
     return out;
   }
-  Places from_, to_;
+
+ private:
+  static std::vector<double> values(const PointLayers::Places& places) {
+    return {places.begin(), places.end()};
+  }
+  static std::vector<double> heights(const Box& box, const PointLayers& layers) {
+    std::vector<double> out = values(layers.z);
+    out.insert(out.begin(), box.min.z());
+    out.push_back(box.max.z());
+    return out;
+  }
+
+  AxisMap z_;
+  std::vector<double> middle_;  // Heights of the layers of the primitive.
+  std::vector<AxisMap> x_, y_;
 };
 
 /// The factors of the optical depth by thirds of the height.
@@ -64,22 +109,21 @@ std::array<double, 3> matter_factors(const BoxBeams& from, const BoxBeams& to) {
 }  // namespace
 
 bool can_adapt(const PrimitiveEntry& from, const PlacedObject& to) {
-  return has_quantiles(from.quantiles) && has_quantiles(to.quantiles);
+  return from.layers.known() && to.layers.known();
 }
 
 elements::Model adapted(elements::Model model, const PrimitiveEntry& from, const PlacedObject& to) {
-  require(can_adapt(from, to), "adapt: the quantiles of the points are not known");
-  const std::array<AxisMap, 3> maps{AxisMap(from.box, from.quantiles, to, 0),
-                                    AxisMap(from.box, from.quantiles, to, 1),
-                                    AxisMap(from.box, from.quantiles, to, 2)};
-  const auto move = [&](Vec3f& p) {
-    for (int d = 0; d < 3; ++d) p[d] = float(maps[size_t(d)](double(p[d])));
-  };
+  require(can_adapt(from, to), "adapt: the places of the points are not known");
+  const BodyMap moved(from, to);
   const std::array<double, 3> factors = matter_factors(from.beams, to.beams);
-  for (Vec3f& v : model.surface.vertices) move(v);
+  for (Vec3f& v : model.surface.vertices) v = moved(v.cast<double>()).cast<float>();
   for (elements::Ellipsoid& e : model.ellipsoids) {
-    move(e.mean);
-    const double up = (double(e.mean.z()) - to.box.min.z()) / to.box.size().z();
+    const Vec3 from_m = e.mean.cast<double>(), to_m = moved(from_m);
+    const Mat3 sigma = e.covariance_matrix();
+    const Vec3 stretch = moved.stretch(from_m, sigma.diagonal().cwiseSqrt()).cwiseSqrt();
+    e.set_covariance(stretch.asDiagonal() * sigma * stretch.asDiagonal());
+    e.mean = to_m.cast<float>();
+    const double up = (to_m.z() - to.box.min.z()) / to.box.size().z();
     const double f = factors[size_t(std::clamp(int(3 * up), 0, 2))];
     e.density_per_m *= float(f);
     e.hit.p = float(1 - std::pow(1 - double(e.hit.p), f));

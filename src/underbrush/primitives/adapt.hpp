@@ -5,15 +5,16 @@
 
 namespace underbrush::primitives {
 
-/// Whether a primitive can be adapted to an object: the quantiles of the points of both are known.
+/// Whether a primitive can be adapted to an object: the layers of the points of both are known.
 bool can_adapt(const PrimitiveEntry& from, const PlacedObject& to);
 
 /// Returns the elements `model` of the primitive `from`, adapted to the object `to` and in its
 /// frame.
 ///
-/// Elements move so that they lie along each axis of the box as the object's points do: the corners
-/// of the box and the quantiles become those of the object, and places between them move in
-/// proportion. Ellipsoids keep their size and direction.
+/// Elements move so that they lie as the object's points do. The corners of the box and the heights
+/// of the layers (`PointLayers`) become those of the object, and in each layer so do the places
+/// along x and y; places between them move in proportion. An ellipsoid is stretched along each axis
+/// by the square root of the factor by which its surroundings are, which is kept in [1/4, 4].
 ///
 /// The optical depth of the ellipsoids in each third of the height is multiplied by f^¾, where f is
 /// the number of beams that returned from that third of the object, over that expected from the

@@ -13,8 +13,8 @@ namespace {
 constexpr const char* kAdvice = "; --allow-outside follows it";
 
 PlacedObject object_of(const io::JsonValue& j, bool outside) {
-  j.check_members({"class", "position_m", "yaw_rad", "box_m", "instance", "points", "quantiles_m",
-                   "beams", "trajectory", "comment"});
+  j.check_members({"class", "position_m", "yaw_rad", "box_m", "instance", "points", "layers_m",
+                   "quantiles_m", "beams", "trajectory", "comment"});
   PlacedObject o = object_of_json(j);
   if (const auto poses = j.find("trajectory")) o.trajectory = poses->path(outside, kAdvice);
   return o;

@@ -16,6 +16,21 @@ Vec3 foot_of(const Box& box) {
   return {0.5 * (box.min.x() + box.max.x()), 0.5 * (box.min.y() + box.max.y()), box.min.z()};
 }
 
+/// The mean square of the distances between the places of two bodies that stand upon each other,
+/// m².
+double square_distance(const PointLayers& a, const Vec3& foot_a, const PointLayers& b,
+                       const Vec3& foot_b) {
+  const Vec3 shift = foot_b - foot_a;
+  double sum = 0;
+  for (size_t l = 0; l < a.z.size(); ++l) {
+    for (size_t q = 0; q < a.x[l].size(); ++q) {
+      sum += (Vec3(b.x[l][q] - a.x[l][q], b.y[l][q] - a.y[l][q], b.z[l] - a.z[l]) - shift)
+                 .squaredNorm();
+    }
+  }
+  return sum / double(a.z.size() * a.x[0].size());
+}
+
 /// The logarithm of the returns per metre in a box, near 0 where there are few beams.
 double log_density(const BoxBeams& b) {
   constexpr double kPrior = 2;
@@ -50,11 +65,8 @@ double Chooser::cost(uint32_t entry, const PlacedObject& o) const {
   const double box_m = (e.box.size() - o.box.size()).norm();
   if (choice_ != Choice::kBest) return box_m;
   if (!can_adapt(e, o)) return box_m;
-  double sum = 0;
-  for (size_t q = 0; q < o.quantiles.size(); ++q) {
-    sum += ((o.quantiles[q] - foot_of(o.box)) - (e.quantiles[q] - foot_of(e.box))).squaredNorm();
-  }
-  const double points_m = std::sqrt(sum / double(o.quantiles.size()));
+  const double points_m =
+      std::sqrt(square_distance(o.layers, foot_of(o.box), e.layers, foot_of(e.box)));
   return box_m + kPointsWeight * points_m + kMatterWeightM * matter_difference(e.beams, o.beams);
 }
 

@@ -21,12 +21,12 @@ enum class Choice {
 /// Chooses among the primitives of a set.
 ///
 /// `kBest` takes the primitive of the least cost ‖extents − extents'‖ + w d + v r. The distance d
-/// (m) is that of the quantiles of the points along the axes (`PlacedObject::quantiles`) when the
-/// boxes stand upon each other, as a root of the mean over the quantiles; w = `kPointsWeight`. The
-/// difference r is that of the logarithms of returns per metre in the boxes (`BoxBeams`); v =
-/// `kMatterWeightM`. Where the object or the primitive has no quantiles, d and r are 0; where the
-/// beams of one are not known, r is 0. A primitive that stands within `kVarietyM` already is passed
-/// over if another costs at most `kFitsM` more than the best.
+/// (m) is that of the places of the points in five layers (`PointLayers`) when the boxes stand upon
+/// each other, as a root of the mean over the places; w = `kPointsWeight`. The difference r is that
+/// of the logarithms of returns per metre in the boxes (`BoxBeams`); v = `kMatterWeightM`. Where
+/// the layers of the object or the primitive are not known, d and r are 0; where the beams of one
+/// are not known, r is 0. A primitive that stands within `kVarietyM` already is passed over if
+/// another costs at most `kFitsM` more than the best.
 class Chooser {
  public:
   static constexpr double kPointsWeight = 2, kMatterWeightM = 0.6;

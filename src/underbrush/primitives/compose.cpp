@@ -29,7 +29,12 @@ Shape shape_of(const PlacedObject& o) {
   const auto add = [&](const Vec3& v) { out.insert(out.end(), v.begin(), v.end()); };
   add(o.box.min);
   add(o.box.max);
-  for (const Vec3& q : o.quantiles) add(q);
+  out.insert(out.end(), o.layers.z.begin(), o.layers.z.end());
+  for (const auto& layers : {o.layers.x, o.layers.y}) {
+    for (const PointLayers::Places& places : layers) {
+      out.insert(out.end(), places.begin(), places.end());
+    }
+  }
   for (const auto& thirds : {o.beams.returns, o.beams.path_m}) {
     out.insert(out.end(), thirds.begin(), thirds.end());
   }
@@ -50,7 +55,7 @@ void add_cells(const PlacedObject& o, double cell_m, std::vector<PlacedObject>& 
   for (int k = 0; k < nx * ny; ++k) {
     const Vec3 middle = o.box.min + Vec3((k % nx + 0.5) * step.x(), (k / nx + 0.5) * step.y(), 0);
     PlacedObject cell = o;
-    cell.quantiles = PlacedObject{}.quantiles;  // They are of the whole patch.
+    cell.layers = {};  // They are of the whole patch.
     cell.beams = {};
     cell.position = o.world_from_object() * Vec3(middle.x(), middle.y(), 0);
     cell.box.min = Vec3(-0.5 * step.x(), -0.5 * step.y(), 0);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 
 #include "underbrush/core/cells.hpp"
 #include "underbrush/core/check.hpp"
@@ -58,17 +59,12 @@ void turn_to_beams(const CellCloud& cloud, double step_rad, PlacedObject& o) {
   o.yaw_rad = std::remainder(o.yaw_rad, 2 * M_PI);
 }
 
-/// Measures where the points lie along the axes of the object, to the millimetre as files keep it.
-void measure_quantiles(const CellCloud& cloud, PlacedObject& o) {
+/// Measures where the points lie in the object's frame, to the millimetre as files keep it.
+void measure_layers(const CellCloud& cloud, PlacedObject& o) {
   const Pose object_from_world = o.world_from_object().inverse();
-  std::vector<double> values(cloud.points.size());
-  for (int d = 0; d < 3; ++d) {
-    for (size_t k = 0; k < values.size(); ++k) values[k] = (object_from_world * cloud.points[k])[d];
-    for (size_t q = 0; q < o.quantiles.size(); ++q) {
-      o.quantiles[q][d] = quantile_of(values, PlacedObject::kShares[q]);
-    }
-  }
-  for (Vec3& q : o.quantiles) q = as_written(q);
+  std::vector<Vec3> points;
+  for (const Vec3& p : cloud.points) points.push_back(object_from_world * p);
+  o.layers = layers_of(std::move(points));
 }
 
 PlacedObject measure_one(const CellCloud& cloud, double quantile) {
@@ -122,6 +118,30 @@ bool ground_it(const GroundSurface& ground, PlacedObject& o) {
 constexpr double kLeastSide = 0.05;
 
 }  // namespace
+
+PointLayers layers_of(std::vector<Vec3> points) {
+  constexpr size_t kLayers = PointLayers::kShares.size();
+  require(!points.empty(), "layers: there are no points");
+  // Points of the same height are in the order of x and y, so that theirs is of no consequence.
+  std::ranges::sort(points, {}, [](const Vec3& p) { return std::tuple(p.z(), p.x(), p.y()); });
+  PointLayers out;
+  std::vector<double> values;
+  for (size_t l = 0; l < kLayers; ++l) {
+    const size_t begin = std::min(l * points.size() / kLayers, points.size() - 1);
+    const size_t end = std::max(begin + 1, (l + 1) * points.size() / kLayers);
+    const auto quantile = [&](int axis, double share) {
+      values.clear();
+      for (size_t k = begin; k < end; ++k) values.push_back(points[k][axis]);
+      return as_written(quantile_of(values, share));
+    };
+    out.z[l] = quantile(2, 0.5);
+    for (size_t q = 0; q < kLayers; ++q) {
+      out.x[l][q] = quantile(0, PointLayers::kShares[q]);
+      out.y[l][q] = quantile(1, PointLayers::kShares[q]);
+    }
+  }
+  return out;
+}
 
 void for_each_object_hit(BeamSource& labelled, const std::function<void(const ObjectHit&)>& visit,
                          const MeasureProgress& progress) {
@@ -200,7 +220,7 @@ MeasuredObjects measure_objects(BeamSource& labelled, const GroundSurface& groun
       ++out.off_ground;
       continue;
     }
-    measure_quantiles(cloud, object);
+    measure_layers(cloud, object);
     for (int d = 0; d < 3; ++d) {
       if (object.box.size()[d] < kLeastSide) object.box.max[d] = object.box.min[d] + kLeastSide;
     }

@@ -34,6 +34,10 @@ struct MeasuredObjects {
 /// set "underbrush") and `instance`. Rewinds the log and reads its first chunk.
 void require_objects(const std::string& file, BeamSource& log);
 
+/// Returns where points lie in five layers, to the millimetre as files keep it. Throws
+/// `std::invalid_argument` where there are none.
+PointLayers layers_of(std::vector<Vec3> points);
+
 /// A function for the progress of a pass over a log, called with (done, total).
 using MeasureProgress = std::function<void(size_t, size_t)>;
 

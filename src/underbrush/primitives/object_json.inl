@@ -1,6 +1,7 @@
 /// \file
 /// Objects and boxes as JSON. This file is internal to the module.
 #pragma once
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -56,21 +57,47 @@ inline Json json_of_box(const Box& box) {
   return j;
 }
 
-/// Reads the member `quantiles_m`, which may be absent.
-inline std::array<Vec3, 5> quantiles_of_json(const io::JsonValue& object) {
-  std::array<Vec3, 5> out = PlacedObject{}.quantiles;
-  const auto list = object.find("quantiles_m");
-  if (!list) return out;
-  const std::vector<io::JsonValue> values = list->values();
-  if (values.size() != out.size()) list->fail("must have 5 places [x, y, z]");
-  for (size_t q = 0; q < out.size(); ++q) out[q] = values[q].vector();
+inline PointLayers::Places places_of_json(const io::JsonValue& list) {
+  PointLayers::Places out;
+  const std::vector<double> read = list.numbers();
+  if (read.size() != out.size()) list.fail("must have 5 numbers");
+  std::ranges::copy(read, out.begin());
   return out;
 }
-/// Returns places in an object's frame; nothing where they are not known.
-inline Json json_of_quantiles(const std::array<Vec3, 5>& quantiles) {
+/// Reads the member `layers_m`, or else `quantiles_m`, the places of all points along the axes,
+/// which are then those of each layer. Both may be absent.
+inline PointLayers layers_of_json(const io::JsonValue& object) {
+  PointLayers out;
+  if (const auto layers = object.find("layers_m")) {
+    layers->check_members({"z", "x", "y"});
+    out.z = places_of_json(layers->at("z"));
+    for (const auto& [name, to] : {std::pair{"x", &out.x}, {"y", &out.y}}) {
+      const std::vector<io::JsonValue> lists = layers->at(name).values();
+      if (lists.size() != to->size()) layers->at(name).fail("must have 5 layers");
+      for (size_t l = 0; l < lists.size(); ++l) (*to)[l] = places_of_json(lists[l]);
+    }
+  } else if (const auto list = object.find("quantiles_m")) {
+    const std::vector<io::JsonValue> values = list->values();
+    if (values.size() != out.z.size()) list->fail("must have 5 places [x, y, z]");
+    for (size_t q = 0; q < values.size(); ++q) {
+      const Vec3 at = values[q].vector();
+      out.z[q] = at.z();
+      for (auto& places : out.x) places[q] = at.x();
+      for (auto& places : out.y) places[q] = at.y();
+    }
+  }
+  return out;
+}
+inline Json json_of_layers(const PointLayers& layers) {
+  const auto rounded = [](PointLayers::Places places) {
+    for (double& x : places) x = as_written(x);
+    return places;
+  };
   Json j;
-  if (quantiles == PlacedObject{}.quantiles) return j;
-  for (const Vec3& q : quantiles) j.push_back(json_of_vector(as_written(q)));
+  j["z"] = rounded(layers.z);
+  for (const auto& [name, from] : {std::pair{"x", &layers.x}, {"y", &layers.y}}) {
+    for (const PointLayers::Places& places : *from) j[name].push_back(rounded(places));
+  }
   return j;
 }
 
@@ -111,7 +138,7 @@ inline PlacedObject object_of_json(const io::JsonValue& j) {
   o.box = box_of_json(j);
   if (const auto n = j.find("instance")) o.instance = uint32_t(n->count(UINT32_MAX));
   if (const auto n = j.find("points")) o.points = uint32_t(n->count(UINT32_MAX));
-  o.quantiles = quantiles_of_json(j);
+  o.layers = layers_of_json(j);
   o.beams = beams_of_json(j);
   return o;
 }
@@ -125,7 +152,7 @@ inline Json json_of_object(const PlacedObject& object) {
   j["box_m"] = json_of_box(o.box);
   if (o.instance) j["instance"] = o.instance;
   if (o.points) j["points"] = o.points;
-  if (Json q = json_of_quantiles(o.quantiles); !q.is_null()) j["quantiles_m"] = std::move(q);
+  if (o.layers.known()) j["layers_m"] = json_of_layers(o.layers);
   if (o.beams.known()) j["beams"] = json_of_beams(o.beams);
   return j;
 }

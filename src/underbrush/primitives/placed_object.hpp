@@ -25,6 +25,20 @@ struct BoxBeams {
   bool known() const { return path_m[0] + path_m[1] + path_m[2] > 0; }
 };
 
+/// Where the points of an object lie (m, object's frame), in five layers of as many points each
+/// from the bottom up. All values are 0 where they are not known.
+struct PointLayers {
+  static constexpr std::array<double, 5> kShares{0.1, 0.3, 0.5, 0.7, 0.9};
+  using Places = std::array<double, kShares.size()>;
+
+  Places z{};  ///< The median height of each layer: the quantiles of all heights at `kShares`.
+  /// For each layer, the quantiles of the coordinate at `kShares`.
+  std::array<Places, kShares.size()> x{}, y{};
+
+  bool known() const { return *this != PointLayers{}; }
+  bool operator==(const PointLayers&) const = default;
+};
+
 /// An object (c, q, box) of [tallavajhula18] §IV. Its pose stands on the ground under the centroid
 /// of the object's points and is turned about z alone, with x along the longer principal axis of
 /// the points seen from above. The bottom of the box is the ground (z = 0).
@@ -35,11 +49,7 @@ struct PlacedObject {
   Box box;
   uint32_t instance = 0;  ///< Number in the labelled log, 0 = none. The cells of a patch share it.
   size_t points = 0;      ///< Number of points that it was measured from.
-  /// The places of its points along each axis (m, object's frame): their quantiles at `kShares`.
-  /// All are 0 where they are not known.
-  std::array<Vec3, 5> quantiles{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero(),
-                                Vec3::Zero()};
-  static constexpr std::array<double, 5> kShares{0.1, 0.3, 0.5, 0.7, 0.9};
+  PointLayers layers;
   BoxBeams beams;
   /// File of the poses of the foot over time (TUM, world from object), for an object that moves;
   /// empty if it stands still.
@@ -50,7 +60,9 @@ struct PlacedObject {
   }
 };
 
-/// Rounds a position (m) to the millimetre, as files store it; measurements are no more exact.
+/// Rounds a length (m) to the millimetre, as files store it; measurements are no more exact.
+inline double as_written(double x) { return std::round(x * 1000) / 1000; }
+/// Rounds a position (m) to the millimetre.
 inline Vec3 as_written(const Vec3& v) { return (v * 1000).array().round() / 1000; }
 /// Rounds the corners of a box to the millimetre.
 inline Box as_written(const Box& box) { return {as_written(box.min), as_written(box.max)}; }

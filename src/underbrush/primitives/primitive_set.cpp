@@ -32,8 +32,7 @@ std::vector<PrimitiveEntry> entries_of(const std::vector<Primitive>& primitives)
     char number[16];
     std::snprintf(number, sizeof number, "/%04d", ++count[p.label]);
     entries.push_back({p.label, as_written(p.box), std::string(elements::name(p.label)) + number,
-                       p.model.size(), p.source.points, p.source.quantiles, p.origin,
-                       p.source.beams});
+                       p.model.size(), p.source.points, p.source.layers, p.origin, p.source.beams});
   }
   return entries;
 }
@@ -45,7 +44,7 @@ Json json_of(const PrimitiveEntry& e) {
   j["box_m"] = json_of_box(e.box);
   j["elements"] = e.elements;
   j["points"] = e.points;
-  if (Json q = json_of_quantiles(e.quantiles); !q.is_null()) j["quantiles_m"] = std::move(q);
+  if (e.layers.known()) j["layers_m"] = json_of_layers(e.layers);
   if (e.beams.known()) j["beams"] = json_of_beams(e.beams);
   return j;
 }
@@ -187,7 +186,7 @@ PrimitiveSet read_primitive_set(const fs::path& path) {
     e.name = folder.text();
     e.elements = p.at("elements").count();
     e.points = p.at("points").count();
-    e.quantiles = quantiles_of_json(p);
+    e.layers = layers_of_json(p);
     e.beams = beams_of_json(p);
     if (!set.origins.empty()) e.origin = uint32_t(p.at("origin").count(set.origins.size() - 1));
     if (!elements::is_model(folder.path())) folder.fail("is not there");
