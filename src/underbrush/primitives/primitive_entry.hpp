@@ -14,8 +14,9 @@ struct PrimitiveEntry {
   std::string name;  ///< CLASS/NUMBER, which is its folder in the set.
   size_t elements = 0, points = 0;
   std::array<Vec3, 5> quantiles = PlacedObject{}.quantiles;  ///< As in `PlacedObject`.
-  uint32_t origin = 0;  ///< Index into `PrimitiveSet::origins`, if it has any.
-  BoxBeams beams = {};  ///< As in `PlacedObject`.
+  uint32_t origin = 0;          ///< Index into `PrimitiveSet::origins`, if it has any.
+  BoxBeams beams = {};          ///< As in `PlacedObject`.
+  std::string given_name = {};  ///< As in `Primitive`.
 };
 
 }  // namespace underbrush::primitives
