@@ -122,6 +122,41 @@ export interface GivenEdits {
   list: EditList;
 }
 
+/** What is told of a primitive of a set. */
+export interface PrimitiveFacts {
+  /** Its folder in the set, CLASS/NUMBER. */
+  folder: string;
+  /** The name that a person gave it, or ''. */
+  name: string;
+  class: string;
+  height_m: number;
+  width_m: number;
+  points: number;
+  elements: number;
+  /** Where it comes from; '' where that is not known. */
+  set: string;
+  site: string;
+  season: string;
+  sensor: string;
+  license: string;
+}
+
+export interface PrimitiveSetFacts {
+  /** The hash by which edits name the set. */
+  set: string;
+  most_name_bytes: number;
+  classes: { name: string; kind: string; may_become: string[] }[];
+  primitives: PrimitiveFacts[];
+}
+
+/** An edit of share/schemas/primitive-edits.json. */
+export interface PrimitiveEdit {
+  primitive: string;
+  remove?: true;
+  class?: string;
+  name?: string;
+}
+
 export interface Beam {
   row: number;
   beam: number;
