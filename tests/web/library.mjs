@@ -152,7 +152,7 @@ export async function editLibrary({ page, expect, ready, accessible, picture, pr
   expect(moved.length === 1 && told(moved[0]) === told(before[1]), `relabelled: ${JSON.stringify(moved)}`);
 
   // A list that was written opens again, and one of another set does not.
-  const open = (path) => page.getByLabel('File of edits of primitives').setInputFiles(path);
+  const open = (path) => page.getByLabel('List of edits of a library').setInputFiles(path);
   for (let k = 3; k > 0; --k) await button('Undo').click();
   await open(written);
   await status('^Opened: ');

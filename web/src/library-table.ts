@@ -78,7 +78,7 @@ export class LibraryTable {
     const kinds = [...new Set(classes.map((c) => c.kind))];
     this.kind.replaceChildren(
       el('option', { value: '' }, 'all classes'),
-      ...kinds.map((kind) => el('option', { value: kind }, `all of ${kind}`)),
+      ...kinds.map((kind) => el('option', { value: kind }, kind === 'patch' ? 'cells of patches' : `all ${kind}s`)),
       ...classes.map((c) => el('option', { value: c.name }, c.name)),
     );
     this.show();

@@ -53,7 +53,7 @@ export class Library {
       close: () => this.toggle(),
     });
     document.body.append(this.table.element);
-    const file = el('input', { type: 'file', accept: '.json', hidden: '', 'aria-label': 'File of edits of primitives' });
+    const file = el('input', { type: 'file', accept: '.json', hidden: '', 'aria-label': 'List of edits of a library' });
     file.addEventListener('change', () => {
       if (file.files?.[0]) app.run(this.openList(file.files[0]));
       file.value = '';
@@ -67,7 +67,7 @@ export class Library {
       el(
         'div',
         { class: 'buttons' },
-        button('Open edits', 'Open a file of edits of these primitives', () => file.click()),
+        button('Open edits', 'Open a list of edits of these primitives', () => file.click()),
         ...(jobs
           ? [
               step('Write edits', 'Write the edits to the folder for labels, for primitives merge --edits', () => this.write()),
