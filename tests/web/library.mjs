@@ -15,7 +15,8 @@ export async function editLibrary({ page, expect, ready, accessible, picture, pr
   merge('primitives', 'meshes', '--of-site', 'creek', 'yard', '--of-license', 'CC-BY-4.0', 'MIT', '-o', 'library');
   const list = (name) => JSON.parse(execFileSync(program, ['primitives', 'list', name, '--json', '-'], { cwd: folder })).primitives;
   const before = list('library');
-  const server = await startServer(program, folder, 'model', 'library', '--labels', 'work');
+  merge('library', 'library', 'library', '--keep-duplicates', '-o', 'many');
+  const server = await startServer(program, folder, 'model', 'library', 'many', '--labels', 'work');
   await page.goto('about:blank');
   await page.goto(server.address);
   await ready();
@@ -180,6 +181,22 @@ export async function editLibrary({ page, expect, ready, accessible, picture, pr
   for (let k = 0; k < 12; ++k) await page.getByRole('button', { name: /^Throw out/ }).first().click();
   await status('^One primitive at least must remain');
   await waitFor(page, 'library', '12 12 11');
+
+  // A list for which one request has no room is written whole.
+  await show('library-\\w+', false);
+  await show('many', true);
+  await page.getByRole('button', { name: 'Table', exact: true }).click();
+  await waitFor(page, 'library', '39 39 0');
+  const named = list('many').map((p, k) => ({ primitive: p.folder, name: `${k} ${'木'.repeat(60)}` }));
+  writeFileSync(join(folder, 'long.json'), JSON.stringify({ format: text.format, version: 1, edits: named }));
+  await open(join(folder, 'long.json'));
+  await waitFor(page, 'primitiveEdits', '39');
+  const known = files();
+  await page.waitForTimeout(1100); // names differ by the second
+  await button('Write edits').click();
+  await status('^Written: ');
+  const [long] = files().filter((f) => !known.includes(f));
+  expect(JSON.stringify(JSON.parse(readFileSync(long, 'utf8')).edits) === JSON.stringify(named), 'the long list is whole');
 
   // On a phone nothing sticks out.
   await page.setViewportSize({ width: 360, height: 640 });

@@ -252,6 +252,9 @@ export async function octreeBytes(file: number, at: number, count: number): Prom
   return (await reply(`octree/data?file=${file}`, { Range: range })).arrayBuffer();
 }
 
+/** The most characters of a list of edits in a request, whose address has 8 KiB. */
+export const MOST_EDIT_TEXT = 7500;
+
 type Parameter = string | number | boolean | readonly number[] | null | undefined;
 
 /** The parameters of a request; those without a value are left out. */

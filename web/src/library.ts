@@ -1,6 +1,6 @@
 // A library of primitives: its table, and edits that `primitives merge --edits` takes.
 import { Box3Helper, Color } from 'three';
-import { json, post, type PrimitiveEdit, type PrimitiveSetFacts, query } from './api';
+import { json, MOST_EDIT_TEXT, post, type PrimitiveEdit, type PrimitiveSetFacts, query } from './api';
 import type { App } from './context';
 import type { JobsPanel } from './jobs';
 import { type Action, isUndo, keyOf } from './keys';
@@ -10,9 +10,6 @@ import type { Menu } from './menu';
 import { button, el, root } from './panel';
 import type { World } from './world';
 
-/** The most characters of the edits of a request, whose head has 16 KiB. */
-const MOST_TEXT = 12000;
-
 /** The edits in parts for which a request has room. */
 function partsOf(edits: PrimitiveEdit[]): PrimitiveEdit[][] {
   const out: PrimitiveEdit[][] = [];
@@ -21,7 +18,7 @@ function partsOf(edits: PrimitiveEdit[]): PrimitiveEdit[][] {
     const size = encodeURIComponent(JSON.stringify(edit)).length + 3;
     if (size > room) {
       out.push([]);
-      room = MOST_TEXT;
+      room = MOST_EDIT_TEXT;
     }
     out.at(-1)!.push(edit);
     room -= size;
