@@ -28,9 +28,11 @@ void list(const Verb& verb, const Arguments& a) {
                                {"site", f.origin.site},
                                {"season", f.origin.season},
                                {"sensor", f.origin.sensor},
-                               {"license", f.origin.license}});
-    text += wide_line(24, f.name, "{:6.2f} m high {:6.2f} m wide  {} {} {}", f.height_m, f.width_m,
-                      f.origin.site, f.origin.season, f.origin.sensor);
+                               {"license", f.origin.license},
+                               {"name", f.given_name}});
+    text += wide_line(24, f.name, "{:6.2f} m high {:6.2f} m wide  {} {} {}{}", f.height_m,
+                      f.width_m, f.origin.site, f.origin.season, f.origin.sensor,
+                      f.given_name.empty() ? "" : " \"" + printable(f.given_name) + "\"");
   }
   verb.report(j, text);
 }
@@ -40,18 +42,27 @@ void run(const Verb& verb, const Arguments& a) {
   require(!a.output.empty(), "primitives: merge needs an output (-o)");
   primitives::check_primitives_output(a.output);
   const std::vector<std::filesystem::path> folders(a.sets.begin(), a.sets.end());
+  std::vector<std::filesystem::path> inputs = folders;
+  inputs.emplace_back(a.options.edits);
   const library::Merged merged = library::merge_sets(folders, a.options);
-  primitives::write_primitives(a.output, merged.primitives, merged.cell_m,
-                               provenance(verb, folders), merged.origins);
+  primitives::write_primitives(a.output, merged.primitives, merged.cell_m, provenance(verb, inputs),
+                               merged.origins);
   const std::string text =
       fmt::format("{} primitives of {} sets\n", merged.primitives.size(), merged.origins.size()) +
+      left_out(merged.edits.thrown_out, "that are thrown out") +
       left_out(merged.not_wanted, "that are not searched for") +
+      (a.options.edits.empty() ? ""
+                               : line("edits", "{} of another class, {} named",
+                                      merged.edits.relabelled, merged.edits.named)) +
       line("duplicates", "{} {}", merged.duplicates,
            a.options.keep_duplicates ? "kept" : "left out") +
       (merged.without_license ? line("warning", "{} sets have no licence", merged.without_license)
                               : "");
   verb.report({{"primitives", merged.primitives.size()},
                {"origins", merged.origins.size()},
+               {"thrown_out", merged.edits.thrown_out},
+               {"relabelled", merged.edits.relabelled},
+               {"named", merged.edits.named},
                {"not_wanted", merged.not_wanted},
                {"duplicates", merged.duplicates},
                {"without_license", merged.without_license}},
@@ -69,7 +80,7 @@ void add_primitives(Program& program) {
                "underbrush primitives merge a/ b/ --of-site creek meadow --of-license CC-BY-4.0 -o "
                "library/\n"
                "  underbrush primitives list library/ --class tree --min-height 4 --season summer\n"
-               "  underbrush primitives merge library/ --class shrub -o shrubs/",
+               "  underbrush primitives merge library/ --class shrub --edits edits.json -o shrubs/",
                [a](const Verb& v) { run(v, *a); });
   verb->app.add_option("ACTION", a->action, "merge or list")
       ->required()

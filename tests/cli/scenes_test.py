@@ -195,6 +195,60 @@ class Scenes(cli_test.OnALog):
         manifest.write_text(manifest.read_text().replace('"origin": 0', '"origin": 7'))
         self.assert_fails(cli_test.call("primitives", "list", "library", cwd=self.folder), 3, "origin")
 
+    def edits(self, *edits, **members):
+        """Writes a list of edits of primitives."""
+        listed = {"format": "underbrush-primitive-edits", "version": 1, "edits": edits, **members}
+        pathlib.Path(self.folder, "edits.json").write_text(json.dumps(listed), encoding="utf-8")
+
+    def test_a_library_is_edited(self):
+        """What is thrown out is gone, and names and licences stay through further merges."""
+        self.json_of("primitives", "merge", "primitives", "--of-license", "CC-BY-4.0", "-o", "library")
+        folders = [p["folder"] for p in self.json_of("primitives", "list", "library")["primitives"]]
+        thrown, kept = folders[0], folders[1]
+        self.edits({"primitive": thrown, "remove": True}, {"primitive": kept, "class": "small_tree", "name": "Eiche <1>"})
+        words = ("primitives", "merge", "library", "--edits", "edits.json")
+        merged = self.json_of(*words, "-o", "edited")
+        self.assertEqual([merged[k] for k in ("primitives", "thrown_out", "relabelled", "named")],
+                         [len(folders) - 1, 1, 1, 1])
+        self.json_of("primitives", "merge", "edited", "-o", "again")
+        found = self.json_of("primitives", "list", "again", "--name", "Eiche")["primitives"]
+        self.assertEqual([(p["folder"], p["name"], p["license"]) for p in found],
+                         [("small_tree/0001", "Eiche <1>", "CC-BY-4.0")])
+        self.assertTrue(pathlib.Path(self.folder, "again/small_tree/0001/thumbnail.png").is_file())
+        self.assertIn("<b>Eiche &lt;1&gt;</b>", pathlib.Path(self.folder, "again/index.html").read_text(encoding="utf-8"))
+        self.assertIn('"Eiche <1>"', cli_test.call("primitives", "list", "again", cwd=self.folder).stdout)
+        inputs = json.loads(pathlib.Path(self.folder, "edited/primitives.json").read_text(encoding="utf-8"))["provenance"]["inputs"]
+        self.assertEqual(set(inputs), {"library", "edits.json"})
+        cli_test.call(*words, "--threads", "3", "-o", "threads", cwd=self.folder)
+        for file in pathlib.Path(self.folder, "edited").rglob("*.*"):
+            other = pathlib.Path(self.folder, "threads") / file.relative_to(self.folder / "edited")
+            self.assertEqual(file.read_bytes().replace(b" --threads 3", b""), other.read_bytes().replace(b" --threads 3", b""))
+        done = cli_test.call("compose", "site.json", "edited", "-o", "scene", cwd=self.folder)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+
+    def test_edits_that_cannot_be_are_refused_with_their_place(self):
+        shrub = {"primitive": "large_shrub/0001"}
+        other = {"primitive": "large_shrub/0002", "name": "b"}
+        for edit, place in (({"primitive": "large_shrub/9999", "remove": True}, "edits[1].primitive: there is no such primitive"),
+                            ({**other, "name": "c"}, "edits[1].primitive: an edit before"), ({**shrub}, "edits[1]: needs"),
+                            ({**shrub, "class": "smal_tree"}, "edits[1].class: no class of primitives 'smal_tree'; did you mean"),
+                            ({**shrub, "class": "grass"}, "edits[1].class"), ({**shrub, "class": "low_shrub_patch"}, "edits[1].class"),
+                            ({**shrub, "name": "a\u001b[2J"}, "edits[1].name"), ({**shrub, "name": 3}, "edits[1].name")):
+            self.edits(other, edit)
+            done = cli_test.call("primitives", "merge", "primitives", "--edits", "edits.json", "-o", "bad", cwd=self.folder)
+            self.assert_fails(done, 3, f"edits.json: {place}")
+        for members, place in (({"version": 2}, "version"), ({"format": "x"}, "format"), ({"set": "xxh3:0"}, "set"), ({"author": "me"}, "author")):
+            self.edits(other, **members)
+            done = cli_test.call("primitives", "merge", "primitives", "--edits", "edits.json", "-o", "bad", cwd=self.folder)
+            self.assert_fails(done, 3, "edits.json", place)
+        self.edits(*({"primitive": p["folder"], "remove": True} for p in self.json_of("primitives", "list", "primitives")["primitives"]))
+        words = ("primitives", "merge", "primitives", "--edits", "edits.json", "-o", "bad")
+        self.assert_fails(cli_test.call(*words, cwd=self.folder), 3, "edits.json: edits: all primitives are thrown out")
+        pathlib.Path(self.folder, "edits.json").write_text('{"format"')
+        self.assert_fails(cli_test.call(*words, cwd=self.folder), 3, "edits.json")
+        self.assert_fails(cli_test.call(*words[:2], "primitives", *words[2:], cwd=self.folder), 2, "--edits takes one set")
+        self.assertFalse(pathlib.Path(self.folder, "bad").exists())
+
     def test_of_a_site_like_another(self):
         site = ("annotate", "--generate", "savanna", "--density", "0.02", "--size", "60", "50", "-o", "site/a.json")
         pathlib.Path(self.folder, "site").mkdir()

@@ -103,6 +103,9 @@ EDITS = """{"format": "underbrush-actor-edits", "version": 1, "actors": "actors"
   {"edit": "trajectory", "actor": "van-1", "trajectory": "path.txt"},
   {"edit": "model", "actor": "second", "model": "tree.obj"}]}
 """
+PRIMITIVE_EDITS = """{"format": "underbrush-primitive-edits", "version": 1, "edits": [
+  {"primitive": "large_shrub/0001", "class": "small_tree", "name": "olive", "comment": "tall"}]}
+"""
 
 
 def beams(scans=2, columns=20, rings=8):
@@ -318,6 +321,7 @@ def recordings(put):
         "  - strategy: grid\n    half_side_m: 10\n    bearings: 20\n")
     put("van.csv", "time,id,class,x,y,z,yaw,length,width,height\n0,1,van,0,3,1,0,4,2,2\n0.2,1,van,1,3,1,0,4,2,2\n")
     put("edits.json", EDITS)
+    put("primitive-edits.json", PRIMITIVE_EDITS)
     put("job.yaml", "command: simulate model --like log.ply --seed {seed} -o sim-{seed}.ply\nover:\n  seed: [1, 2]\n"
         "pieces: 2\n")
     put("rig.yaml", "name: rig\nsensors:\n  - {name: a, sensor: spinning.yaml, position_m: [1, 0, 0.5]}\n"

@@ -8,6 +8,7 @@ import { editActors } from './actors.mjs';
 import { launched } from './chromium.mjs';
 import { lookAtBeams } from './beams.mjs';
 import { lookAtPage, lookAtPhone, lookEarly } from './page.mjs';
+import { editLibrary } from './library.mjs';
 import { comparisonTells, difference, looksAs, shrunk } from './references.mjs';
 import { composeScene, labelLog } from './labels.mjs';
 
@@ -18,7 +19,7 @@ const axe = readFileSync(load.resolve('axe-core/axe.min.js'), 'utf8');
 
 /** Pictures of which a copy is kept; references.mjs compares them. */
 const KEPT = new Set(['log-top', 'log-1', 'log-5', 'beams', 'slice', 'path', 'model', 'scene', 'primitives', 'opaque',
-  'compare-split', 'errors', 'packet-errors']);
+  'compare-split', 'errors', 'packet-errors', 'library']);
 
 function expect(ok, what) {
   if (!ok) throw new Error(what);
@@ -119,10 +120,11 @@ if (!part) await viewEverything();
 await page.setViewportSize({ width: 900, height: 420 });
 const tools = { page, expect, ready, accessible, picture, program, folder, complaints };
 const sound = [...complaints];
-if (part !== 'actors') await labelLog(tools);
+if (!part || part === 'labels') await labelLog(tools);
 complaints.splice(0, complaints.length, ...sound, ...complaints.filter((c) => !/ERR_CONNECTION_REFUSED|409|Failed to fetch/.test(c)));
-if (part !== 'actors') await composeScene(tools);
-await editActors(tools);
+if (!part || part === 'labels') await composeScene(tools);
+if (part !== 'library') await editActors(tools);
+if (!part || part === 'library') await editLibrary(tools);
 
 await browser.close();
 expect(complaints.length === 0, `the console: ${complaints.join('; ')}`);

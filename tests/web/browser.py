@@ -71,7 +71,7 @@ def main():
     parser.add_argument("--speed", type=pathlib.Path, help="only measure the page with this log")
     parser.add_argument("--update", action="store_true", help="keep the pictures of references/ anew")
     parser.add_argument("--only", default="", help="'labels': only the steps of labels.mjs and "
-                        "actors.mjs; 'actors': only those of actors.mjs")
+                        "actors.mjs; 'actors': only those of actors.mjs; 'library': only those of library.mjs")
     options = parser.parse_args()
     cli_test.PROGRAM = str(options.program.resolve())
     for tool in ("node", "npm", "chromium"):

@@ -1,6 +1,6 @@
 // What moves in a scene: a list, replay along the time bar, and edits that `simulate --actors` takes.
 import { BufferGeometry, Group, Line, LineBasicMaterial, Quaternion, Vector3 } from 'three';
-import { type Actor, type ActorEdit, type ActorPart, type EditList, json, post, query, type TimedPose } from './api';
+import { type Actor, type ActorEdit, type ActorPart, type EditList, json, MOST_EDIT_TEXT, post, query, type TimedPose } from './api';
 import type { App } from './context';
 import type { JobsPanel } from './jobs';
 import type { Action } from './keys';
@@ -13,9 +13,6 @@ import type { World } from './world';
 const REACH_PX = 40;
 const DRAGS = ['all of its path', 'its path for 1 s', 'its path for 3 s'] as const;
 const WITHIN_S = { 'all of its path': null, 'its path for 1 s': 1, 'its path for 3 s': 3 };
-
-/** The most characters of a list of edits in a request, whose head has 16 KiB. */
-const MOST_TEXT = 15000;
 
 /** JSON without spaces; text that is none stays what it is, unless it is empty. */
 function shortest(text: string): string {
@@ -163,7 +160,7 @@ export class Actors {
   /** Asks the server what moves with a list of edits, which is that of a file if it has a name. */
   private async fetch(edits: string, name = ''): Promise<void> {
     const world = this.world!;
-    if (encodeURIComponent(edits).length > MOST_TEXT) throw new Error(`${name || 'edits'}: more edits than a request has room for`);
+    if (encodeURIComponent(edits).length > MOST_EDIT_TEXT) throw new Error(`${name || 'edits'}: more edits than a request has room for`);
     const reply = await json<{ editable: boolean; list: EditList; actors: Actor[] }>(`actors?${query({ file: world.file.id, edits, name })}`);
     if (world !== this.world) return;
     ({ actors: this.actors, editable: this.editable, list: this.edits } = reply);

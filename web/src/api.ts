@@ -122,6 +122,41 @@ export interface GivenEdits {
   list: EditList;
 }
 
+/** What is told of a primitive of a set. */
+export interface PrimitiveFacts {
+  /** Its folder in the set, CLASS/NUMBER. */
+  folder: string;
+  /** The name that a person gave it, or ''. */
+  name: string;
+  class: string;
+  height_m: number;
+  width_m: number;
+  points: number;
+  elements: number;
+  /** Where it comes from; '' where that is not known. */
+  set: string;
+  site: string;
+  season: string;
+  sensor: string;
+  license: string;
+}
+
+export interface PrimitiveSetFacts {
+  /** The hash by which edits name the set. */
+  set: string;
+  most_name_bytes: number;
+  classes: { name: string; kind: string; may_become: string[] }[];
+  primitives: PrimitiveFacts[];
+}
+
+/** An edit of share/schemas/primitive-edits.json. */
+export interface PrimitiveEdit {
+  primitive: string;
+  remove?: true;
+  class?: string;
+  name?: string;
+}
+
 export interface Beam {
   row: number;
   beam: number;
@@ -216,6 +251,9 @@ export async function octreeBytes(file: number, at: number, count: number): Prom
   const range = `bytes=${at}-${at + count - 1}`;
   return (await reply(`octree/data?file=${file}`, { Range: range })).arrayBuffer();
 }
+
+/** The most characters of a list of edits in a request, whose address has 8 KiB. */
+export const MOST_EDIT_TEXT = 7500;
 
 type Parameter = string | number | boolean | readonly number[] | null | undefined;
 

@@ -9,7 +9,7 @@ export interface Free {
   height: number;
 }
 
-const PANELS = ['#details', '#images', '#panel', 'header', '#legend'];
+const PANELS = ['#details', '#images', '#library', '#panel', 'header', '#legend'];
 /** Times the least distance from which all of a box is seen. */
 const MARGIN = 1.08;
 

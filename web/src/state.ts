@@ -1,5 +1,5 @@
 // What a link restores: the view, what is shown, and how. It stands behind the # of the address.
-import type { GivenEdits } from './api';
+import type { GivenEdits, PrimitiveEdit } from './api';
 import { MAPS, type MapName } from './colours';
 import { POINT_MODES, type PointMode, type Slice, WORLD_MODES, type WorldMode } from './display';
 import { type Drawer, DRAWERS } from './points-layer';
@@ -25,6 +25,8 @@ export interface State {
   slice: Slice;
   theme: 'dark' | 'light' | '';
   edits: GivenEdits | null;
+  /** Edits of the primitives of a file, and whether their table is open. */
+  library: { file: number; open: boolean; edits: PrimitiveEdit[] } | null;
 }
 
 export function initialState(): State {
@@ -45,6 +47,7 @@ export function initialState(): State {
     slice: { on: false, axis: 'z', at: 0, thickness: 1 },
     theme: '',
     edits: null,
+    library: null,
   };
 }
 
@@ -73,6 +76,7 @@ export function stateOf(hash: string): State {
     choose('elementMap', MAPS);
     choose('drawer', DRAWERS);
     if (Number.isInteger(given.edits?.file) && Array.isArray(given.edits?.list?.edits)) state.edits = given.edits;
+    if (Number.isInteger(given.library?.file) && Array.isArray(given.library?.edits)) state.library = given.library;
     if (given.slice && typeof given.slice === 'object') state.slice = { ...state.slice, ...given.slice };
   } catch {
     // not one of our links

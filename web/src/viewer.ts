@@ -207,6 +207,11 @@ export class Viewer {
     const box = this.bounds();
     const { min, max } = heights.isEmpty() ? box : heights;
     this.display.uniforms.heights.value.set(min.z, max.z);
+    this.frameBox(box);
+  }
+
+  /** Shows a box of the scene's frame in the part of the view that no panel covers. */
+  frameBox(box: Box3): void {
     this.centre();
     const { width, height } = this.view;
     const slope = Math.tan((this.camera.fov * Math.PI) / 360);

@@ -213,6 +213,17 @@ export class World {
     return frame;
   }
 
+  /** The box of a primitive in the scene's frame. */
+  boxOf(instance: number): Box3 {
+    const { min, max } = this.facts.models[this.facts.instances[instance]!.model]!.box_m!;
+    return new Box3(new Vector3(...min), new Vector3(...max)).applyMatrix4(this.frames[instance]![0]!.matrixWorld);
+  }
+
+  /** Shows one instance alone, or all again. */
+  showAlone(instance: number | null): void {
+    this.frames.forEach((frames, k) => frames.forEach((frame) => (frame.visible = instance === null || k === instance)));
+  }
+
   /** Whether something in it moves. */
   get moves(): boolean {
     return this.facts.instances.some((instance) => instance.moves);

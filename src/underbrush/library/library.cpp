@@ -134,7 +134,12 @@ class Merger {
     if (same != out_.primitives.end()) {
       ++out_.duplicates;
       if (!options_.keep_duplicates) {
-        if (p.source.points > same->source.points) *same = std::move(p);
+        std::string name = same->given_name.empty() ? p.given_name : same->given_name;
+        if (p.source.points > same->source.points) {
+          if (!p.given_name.empty()) name = p.given_name;
+          *same = std::move(p);
+        }
+        same->given_name = std::move(name);
         return;
       }
     }
@@ -154,9 +159,9 @@ std::span<const Option<Options>> options() {
   static const Option<O> kOptions[] = {
     {"class", "Search", "", "Only primitives of these classes, or of the kinds shrub, tree, patch",
      [](O& o) -> auto& { return o.classes; }, -kNoLimit, kNoLimit, {}, "CLASS ..."},
-    {"min-height", "Search", "m", "Only primitives whose box is at least this high",
+    {"min-height", "Search", "m", "Only primitives at least this high",
      [](O& o) -> auto& { return o.least_height_m; }, 0, 1000},
-    {"max-height", "Search", "m", "Only primitives whose box is at most this high",
+    {"max-height", "Search", "m", "Only primitives at most this high",
      [](O& o) -> auto& { return o.most_height_m; }, 0, 1000},
     {"min-width", "Search", "m",
      "Only primitives whose box is at least this long (its longer side)",
@@ -170,6 +175,8 @@ std::span<const Option<Options>> options() {
      [](O& o) -> auto& { return o.season; }, -kNoLimit, kNoLimit, {}, "NAME"},
     {"sensor", "Search", "", "Only primitives that this sensor measured",
      [](O& o) -> auto& { return o.sensor; }, -kNoLimit, kNoLimit, {}, "NAME"},
+    {"name", "Search", "", "Only primitives whose given name has this text",
+     [](O& o) -> auto& { return o.name; }, -kNoLimit, kNoLimit, {}, "TEXT"},
     {"of-site", "Merge", "", "Name of the site of each set, or one name for all sets",
      [](O& o) -> auto& { return o.of_site; }, -kNoLimit, kNoLimit, {}, "NAME ..."},
     {"of-season", "Merge", "",
@@ -177,6 +184,9 @@ std::span<const Option<Options>> options() {
      [](O& o) -> auto& { return o.of_season; }, -kNoLimit, kNoLimit, {}, "NAME ..."},
     {"of-license", "Merge", "", "Licence of the log of each set, or one licence for all sets",
      [](O& o) -> auto& { return o.of_license; }, -kNoLimit, kNoLimit, {}, "NAME ..."},
+    {"edits", "Merge", "",
+     "List of edits of the one set: primitives thrown out, other classes, and names",
+     [](O& o) -> auto& { return o.edits; }, -kNoLimit, kNoLimit, {}, "FILE.json"},
     {"keep-duplicates", "Merge", "", "Keep several primitives of one plant",
      [](O& o) -> auto& { return o.keep_duplicates; }},
   };
@@ -192,12 +202,13 @@ std::vector<Found> find_primitives(const PrimitiveSet& set, const Options& o) {
   };
   for (size_t k = 0; k < set.entries.size(); ++k) {
     const primitives::PrimitiveEntry& e = set.entries[k];
-    Found f{k, e.name, e.box.max.z(), e.box.size().head<2>().maxCoeff(), {}};
+    Found f{k, e.name, e.box.max.z(), e.box.size().head<2>().maxCoeff(), {}, e.given_name};
     if (e.origin < set.origins.size()) f.origin = set.origins[e.origin];
     if (is_among(e.label, o.classes) && f.height_m >= o.least_height_m &&
         f.height_m <= o.most_height_m && f.width_m >= o.least_width_m &&
         f.width_m <= o.most_width_m && is_wanted(o.site, f.origin.site) &&
-        is_wanted(o.season, f.origin.season) && is_wanted(o.sensor, f.origin.sensor)) {
+        is_wanted(o.season, f.origin.season) && is_wanted(o.sensor, f.origin.sensor) &&
+        f.given_name.find(o.name) != std::string::npos) {
       out.push_back(std::move(f));
     }
   }
@@ -207,10 +218,16 @@ std::vector<Found> find_primitives(const PrimitiveSet& set, const Options& o) {
 Merged merge_sets(std::span<const std::filesystem::path> folders, const Options& o) {
   check_options("primitives", library::options(), o);
   require(!folders.empty(), "primitives: there is no set to merge");
+  if (!o.edits.empty() && folders.size() > 1) {
+    throw std::invalid_argument(
+        "primitives: --edits takes one set: merge the sets first, then edit the library");
+  }
   Merger merger(o);
+  EditCounts edits;
   std::optional<double> cell_m;
   for (size_t k = 0; k < folders.size(); ++k) {
-    const PrimitiveSet set = primitives::read_primitive_set(folders[k]);
+    PrimitiveSet set = primitives::read_primitive_set(folders[k]);
+    if (!o.edits.empty()) edits = apply_edits(set, std::filesystem::path(o.edits));
     if (!cell_m) cell_m = set.cell_m;
     if (set.cell_m != *cell_m) {
       throw FormatError(folders[k].string(), "cell_m",
@@ -224,6 +241,7 @@ Merged merge_sets(std::span<const std::filesystem::path> folders, const Options&
   }
   Merged out = std::move(merger).finish();
   out.cell_m = *cell_m;
+  out.edits = edits;
   return out;
 }
 

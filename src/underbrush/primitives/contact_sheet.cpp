@@ -20,6 +20,15 @@ std::string base64(const std::vector<uint8_t>& bytes) {
   return out;
 }
 
+// A text as HTML shows it.
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
+  }
+  return out;
+}
+
 constexpr const char* kHead = R"(<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -68,9 +77,11 @@ std::string contact_sheet(std::span<const PrimitiveEntry> entries,
       const PrimitiveEntry& e = entries[k];
       const Vec3 s = e.box.size();
       page += "<figure><img loading=\"lazy\" alt=\"" + e.name +
-              " from the side\" src=\"data:image/png;base64," + base64(pictures[k]) + "\">";
+              " from the side\" src=\"data:image/png;base64," + base64(pictures[k]) +
+              "\"><figcaption>";
+      if (!e.given_name.empty()) page += "<b>" + escaped(e.given_name) + "</b><br>";
       page += text(
-          "<figcaption>%s<br>%.1f × %.1f × %.1f m<br>%zu elements, %zu "
+          "%s<br>%.1f × %.1f × %.1f m<br>%zu elements, %zu "
           "points</figcaption></figure>\n",
           e.name.c_str(), s.x(), s.y(), s.z(), e.elements, e.points);
     }

@@ -29,6 +29,7 @@ struct Primitive {
   PlacedObject source;                      ///< The object as it was measured in the log.
   std::vector<PlantPlacement> plants = {};  ///< The plant meshes of which it is made, if any.
   uint32_t origin = 0;                      ///< Index into the origins of its set, if it has any.
+  std::string given_name = {};              ///< The name that a person gave it, if any.
 };
 
 /// The elements that an object takes.

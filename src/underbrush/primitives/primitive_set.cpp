@@ -32,7 +32,8 @@ std::vector<PrimitiveEntry> entries_of(const std::vector<Primitive>& primitives)
     char number[16];
     std::snprintf(number, sizeof number, "/%04d", ++count[p.label]);
     entries.push_back({p.label, as_written(p.box), std::string(elements::name(p.label)) + number,
-                       p.model.size(), p.source.points, p.source.layers, p.origin, p.source.beams});
+                       p.model.size(), p.source.points, p.source.layers, p.origin, p.source.beams,
+                       p.given_name});
   }
   return entries;
 }
@@ -41,6 +42,7 @@ Json json_of(const PrimitiveEntry& e) {
   Json j;
   j["class"] = elements::name(e.label);
   j["folder"] = e.name;
+  if (!e.given_name.empty()) j["name"] = e.given_name;
   j["box_m"] = json_of_box(e.box);
   j["elements"] = e.elements;
   j["points"] = e.points;
@@ -188,6 +190,7 @@ PrimitiveSet read_primitive_set(const fs::path& path) {
     e.points = p.at("points").count();
     e.layers = layers_of_json(p);
     e.beams = beams_of_json(p);
+    if (const auto name = p.find("name")) e.given_name = name->text();
     if (!set.origins.empty()) e.origin = uint32_t(p.at("origin").count(set.origins.size() - 1));
     if (!elements::is_model(folder.path())) folder.fail("is not there");
     set.entries.push_back(std::move(e));
@@ -204,8 +207,12 @@ Primitive read_whole_primitive(const PrimitiveSet& set, size_t entry) {
   const PrimitiveEntry& e = set.entries.at(entry);
   const io::JsonFile json(set.folder / e.name / "primitive.json");
   const io::JsonValue j = json.root();
-  Primitive p{e.label, e.box,   read_primitive(set, entry), object_of_json(j.at("source")),
-              {},      e.origin};
+  Primitive p{e.label,  e.box,       read_primitive(set, entry), object_of_json(j.at("source")), {},
+              e.origin, e.given_name};
+  const elements::Class written = class_of_json(j);
+  for (elements::Ellipsoid& part : p.model.ellipsoids) {
+    if (part.label == uint32_t(written)) part.label = uint32_t(e.label);
+  }
   if (const auto plants = j.find("plants")) {
     for (const io::JsonValue& plant : plants->values()) p.plants.push_back(plant_of(plant));
   }

@@ -61,7 +61,8 @@ PrimitiveSet read_primitive_set(const std::filesystem::path& path);
 /// `FormatError`.
 elements::Model read_primitive(const PrimitiveSet& set, size_t entry);
 
-/// Returns an entry of a set on disk with all data of its folder. Throws `FormatError`.
+/// Returns an entry of a set on disk with all data of its folder. Where the entry was given another
+/// class than the folder has, the ellipsoids of that class get it, too. Throws `FormatError`.
 Primitive read_whole_primitive(const PrimitiveSet& set, size_t entry);
 
 }  // namespace underbrush::primitives

@@ -17,6 +17,7 @@
 #include "underbrush/serve/json_reply.inl"
 #include "underbrush/serve/label_api.hpp"
 #include "underbrush/serve/log_preview.hpp"
+#include "underbrush/serve/primitive_api.hpp"
 #include "underbrush/serve/query.hpp"
 #include "underbrush/serve/range_errors.hpp"
 #include "underbrush/serve/range_image.hpp"
@@ -196,15 +197,28 @@ struct Api::Impl {
     const std::string name = query.has("name") ? printable(query.text("name"), 80) : "edits";
     return {200, "application/json", actors_json(world_of(request), query.text("edits"), name)};
   }
-  HttpReply write_actors(const HttpRequest& request) {
-    const Query query(request);
-    const std::string name = query.file_name("name");
-    const std::filesystem::path path = options.labels / name;
+  // The place of a new list of edits.
+  std::filesystem::path path_of_edits(const Query& query) const {
+    std::filesystem::path path = options.labels / query.file_name("name");
     require(path.extension() == ".json", "the name of a list of edits ends with .json");
     require(!std::filesystem::exists(std::filesystem::symlink_status(path)),
             "a file of this name is there already");
+    return path;
+  }
+  HttpReply write_actors(const HttpRequest& request) {
+    const Query query(request);
+    const std::filesystem::path path = path_of_edits(query);
     write_edits(path, file_at(query.number("file")), world_of(request), query.text("edits"));
     return reply_of({{"path", printable(path.string())}});
+  }
+  HttpReply primitives(const HttpRequest& request) {
+    return {200, "application/json", primitives_json(file_at(Query(request).number("file")))};
+  }
+  HttpReply write_primitive_edits(const HttpRequest& request) {
+    const Query query(request);
+    const std::filesystem::path path = path_of_edits(query);
+    const size_t count = primitive_edits.add(path, file_at(query.number("file")), query);
+    return reply_of({{"path", printable(path.string())}, {"edits", count}});
   }
   HttpReply ellipsoids(const HttpRequest& request) {
     return {200, kBytes, world_of(request).ellipsoids(Query(request).number("model"))};
@@ -231,6 +245,7 @@ struct Api::Impl {
   ApiOptions options;
   std::vector<std::string> notes;
   GivenEdits edits;
+  PrimitiveEdits primitive_edits;
   std::mutex mutex;              ///< Guards the list and the maps.
   std::deque<OpenedFile> files;  ///< Grows with the results of jobs.
   std::map<size_t, std::unique_ptr<LogData>> logs;
@@ -267,6 +282,7 @@ HttpReply Api::answer(const HttpRequest& request) {
       {"api/trajectory", &Impl::trajectory},
       {"api/world", &Impl::world},
       {"api/actors", &Impl::actors},
+      {"api/primitives", &Impl::primitives},
       {"api/ellipsoids", &Impl::ellipsoids},
       {"api/ground", &Impl::ground},
       {"api/surface", &Impl::surface},
@@ -277,13 +293,16 @@ HttpReply Api::answer(const HttpRequest& request) {
     return request.path == start ||
            (request.path.starts_with(start) && request.path[start.size()] == '/');
   };
-  const bool writes = request.path == "api/actors/write", of_jobs = begins("api/jobs");
+  const Impl::Answer write = request.path == "api/actors/write"       ? &Impl::write_actors
+                             : request.path == "api/primitives/write" ? &Impl::write_primitive_edits
+                                                                      : nullptr;
+  const bool writes = write != nullptr, of_jobs = begins("api/jobs");
   if (of_jobs ? !impl_->jobs : !impl_->labels && (writes || begins("api/labels"))) {
     return error_reply(403, "start underbrush serve with --labels FOLDER");
   }
   if (of_jobs) return impl_->jobs->answer(request);
   if (begins("api/labels")) return impl_->labels->answer(request);
-  if (writes && request.method == "POST") return impl_->write_actors(request);
+  if (writes && request.method == "POST") return ((*impl_).*write)(request);
   if (writes) return error_reply(405, "only POST writes edits");
   if (request.method == "POST") return error_reply(405, "only GET is answered");
   const auto found = kAnswers.find(request.path);

@@ -95,7 +95,8 @@ struct Verb {
   const char* name;
   std::vector<Input> inputs;
   std::vector<Setting> settings;
-  const char* extension;  ///< Ending of the output's name; "" for a folder.
+  const char* extension;    ///< Ending of the output's name; "" for a folder.
+  const char* action = "";  ///< The word after the verb, if it takes one.
 };
 
 const std::vector<Verb>& verbs() {
@@ -123,6 +124,11 @@ const std::vector<Verb>& verbs() {
         {"ground", "--ground", Takes::kModel, false}},
        with_seed(settings_of(pipeline::compose_options())),
        ""},
+      {"primitives",
+       {{"primitives", "", Takes::kPrimitives, true}, {"edits", "--edits", Takes::kWritten, false}},
+       {},
+       "",
+       "merge"},
       {"actors",
        {{"log", "", Takes::kLog, true}, {"boxes", "--boxes", Takes::kWritten, false}},
        settings_of(actors::actor_options()),
@@ -275,6 +281,7 @@ std::vector<std::string> JobApi::command_of(const Query& query,
       std::find_if(verbs().begin(), verbs().end(), [&](const Verb& v) { return v.name == wanted; });
   require(verb != verbs().end(), "no such command");
   std::vector<std::string> words{program_.string(), verb->name};
+  if (*verb->action) words.emplace_back(verb->action);
   for (const Input& input : verb->inputs) {
     if (!query.has(input.key) && !input.needed) continue;
     std::filesystem::path path;
