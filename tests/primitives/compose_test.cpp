@@ -186,6 +186,15 @@ TEST_F(Composing, TheBestChoiceLooksAtWhereThePointsLie) {
   annotation.objects.resize(25);  // one that fits each tree
   const Composition c = compose(annotation, ground, set, options);
   for (size_t k = 0; k < 25; ++k) EXPECT_EQ(number(c, k + 1), k);
+  // The points count from the foot of the box, wherever that is in the object's frame.
+  for (size_t k = 0; k < 25; ++k) {
+    const Vec3 aside(5, -4, 0.5);
+    PlacedObject& o = annotation.objects[k];
+    o.box = {o.box.min + aside, o.box.max + aside};
+    o.layers = layers_at(Vec3(0, 0, 0.07 * double(k + 1)) + aside);
+  }
+  const Composition moved = compose(annotation, ground, set, options);
+  for (size_t k = 0; k < 25; ++k) EXPECT_EQ(number(moved, k + 1), k);
   // Where the points are not known, the box decides.
   for (PlacedObject& o : annotation.objects) o.layers = {};
   EXPECT_EQ(number(compose(annotation, ground, set, options), 1), 0u);
