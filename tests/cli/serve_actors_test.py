@@ -4,7 +4,6 @@ import csv
 import json
 import pathlib
 import tempfile
-import time
 import unittest
 import urllib.parse
 
@@ -95,12 +94,7 @@ class ServeActors(unittest.TestCase):
         status, job = self.request("jobs/start", "POST", verb="simulate", world=MODEL, like=LOG, actors="edits.json",
                                    name="job.ply")
         self.assertEqual(status, 200, job)
-        for _ in range(300):
-            states = {j["number"]: j["state"] for j in self.server.json_of("api/jobs")["jobs"]}
-            if states[job["number"]] != "running":
-                break
-            time.sleep(0.1)
-        self.assertEqual(states[job["number"]], "done")
+        self.assertEqual(self.server.ended(job["number"])["state"], "done")
         self.assertTrue(beams_of(self.folder / "work/job.ply") == scans["edited.ply"], "the job gives other bits")
 
     def test_what_is_written_opens_again(self):

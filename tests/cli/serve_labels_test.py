@@ -153,7 +153,7 @@ class ServeLabels(unittest.TestCase):
         status, job = self.post("jobs/start", verb="simulate", world=3, like=0, name="scan.ply", seed=5)
         self.assertEqual(status, 200, job)
         self.assertRegex(job["command"], r"^underbrush simulate \S+/scene --like \S+/log.ply --seed 5 -o \S+/scan.ply$")
-        job = self.ended(job["number"])
+        job = self.server.ended(job["number"])
         self.assertEqual(job["state"], "done", job)
         files = self.server.json_of("api/files")["files"]
         self.assertIn(("scan.ply", "log"), [(f["name"], f["kind"]) for f in files])
@@ -163,7 +163,7 @@ class ServeLabels(unittest.TestCase):
         self.assertEqual(list(same[0].values()), list(same[1].values()))
         _, job = self.post("jobs/start", verb="fit", log=0, name="m")
         self.assertEqual(self.post("jobs/cancel", number=job["number"])[0], 200)
-        self.assertIn(self.ended(job["number"])["state"], ("cancelled", "done"))
+        self.assertIn(self.server.ended(job["number"])["state"], ("cancelled", "done"))
 
     def test_options_of_commands_are_those_of_the_tables(self):
         listed = {verb: {o["name"]: o for o in options}
@@ -195,14 +195,6 @@ class ServeLabels(unittest.TestCase):
                                       "&surface_carve=true&ranges_as_given=false&seed=8123456789012345")["command"]
         self.assertRegex(command, r"^underbrush fit \S+/log.ply --seed 8123456789012345 --fitter voxel --min-points 4 "
                                   r"--voxel-side 0.5 --surface-carve -o \S+/new$")
-
-    def ended(self, number):
-        for _ in range(600):
-            job = self.server.json_of(f"api/jobs/log?number={number}")
-            if job["state"] != "running":
-                return job
-            time.sleep(0.05)
-        raise AssertionError("a command that does not end")
 
 
 if __name__ == "__main__":

@@ -3,7 +3,6 @@
 import json
 import pathlib
 import tempfile
-import time
 import unittest
 import urllib.parse
 
@@ -78,12 +77,7 @@ class ServePrimitives(unittest.TestCase):
         self.assertRegex(command, rf"^underbrush primitives merge \S+/library --edits \S+/{WORK}/edits.json -o \S+/{WORK}/edited$")
         status, job = self.request("jobs/start", "POST", **words)
         self.assertEqual(status, 200, job)
-        for _ in range(300):
-            states = {j["number"]: j["state"] for j in self.server.json_of("api/jobs")["jobs"]}
-            if states[job["number"]] != "running":
-                break
-            time.sleep(0.1)
-        self.assertEqual(states[job["number"]], "done")
+        self.assertEqual(self.server.ended(job["number"])["state"], "done")
         made = next(f for f in self.server.json_of("api/files")["files"] if f["name"] == "edited")
         after = self.server.json_of(f"api/primitives?file={made['id']}")["primitives"]
         self.assertEqual(len(after), len(told["primitives"]) - 1)

@@ -61,6 +61,15 @@ class Server:
             time.sleep(0.05)
         raise AssertionError("no octree after 30 s")
 
+    def ended(self, number):
+        """Waits for the end of a command and returns its job, with its log."""
+        for _ in range(600):
+            job = self.json_of(f"api/jobs/log?number={number}")
+            if job["state"] != "running":
+                return job
+            time.sleep(0.05)
+        raise AssertionError("a command that does not end")
+
     def raw(self, text, wait=5.0):
         """Sends bytes as they are and returns what comes back until the server closes."""
         with socket.create_connection(("127.0.0.1", self.port), timeout=wait) as connection:
