@@ -19,6 +19,7 @@
 #include "bind.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/pose.hpp"
+#include "underbrush/sensor/scan_grid.hpp"
 #include "views.hpp"
 
 namespace underbrush::python {
@@ -254,6 +255,16 @@ Placed place_rays(const std::optional<TableOf<3>>& xyz, const std::optional<Tabl
           owned(std::move(ranges)), left};
 }
 
+/// Returns the directions of all beams, or None where no grid explains the hits.
+std::optional<Rows<double, 3>> grid_directions(const TableOf<3>& xyz, size_t rows, size_t columns,
+                                               bool by_ring) {
+  require(rows * columns == xyz.shape(0), "grid_directions: the points are no such grid");
+  double* direction = nullptr;
+  Rows<double, 3> out = new_rows<3>(xyz.shape(0), direction);
+  if (!sensor::grid_directions(xyz.data(), {rows, columns, by_ring}, direction)) return {};
+  return out;
+}
+
 }  // namespace
 
 void bind_place(nb::module_& m) {
@@ -272,6 +283,12 @@ void bind_place(nb::module_& m) {
       "A row's beam ends at `xyz`, or goes along `instead` without a return; or it has a\n"
       "`direction` and a `range_m`, and begins at `beam_origin`. It has the pose `group`, world\n"
       "from sensor. Without `rotation`, points and directions are those of the world.");
+  m.def(
+      "grid_directions", &grid_directions, "xyz"_a, "rows"_a, "columns"_a, "by_ring"_a,
+      "Returns the directions (n, 3) of all beams of a scan of `rows` times `columns`, found\n"
+      "from its hits, or None where no grid explains these to half a degree. The points (n, 3),\n"
+      "m in the sensor's frame, are not finite without a return. A row is a ring with `by_ring`,\n"
+      "else a firing.");
 }
 
 }  // namespace underbrush::python

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from .._core import group_times, place_rays
+from .._core import grid_directions, group_times, place_rays
 from ._files import Array, OptionMissing, PathLike
 from .airborne import estimate_poses
 from .bag import BagRecording
@@ -20,7 +20,6 @@ Floats = npt.NDArray[np.float64]
 _LEAST_RANGE_M = 1e-6  # A shorter range has no direction.
 _NO_TURN = np.array([[0.0, 0.0, 0.0, 1.0]])
 _PACKET_S = 1e-3  # Beams within a millisecond share a packet.
-_WORST_FIT_RAD = np.deg2rad(0.5)
 
 
 def beams(recording: Recording, *, poses: Poses | PathLike | None = None,
@@ -157,36 +156,10 @@ def directions_of_misses(scan: Scan) -> Floats:
     nothing = np.full((len(scan), 3), np.nan)
     if scan.xyz is None or scan.shape is None or scan.shape[0] * scan.shape[1] != len(scan):
         return nothing
-    grid = np.arange(len(scan)).reshape(scan.shape)
+    by_ring = True
     if scan.ring is not None and not np.all((ring := scan.ring.reshape(scan.shape)) == ring[:, :1]):
         if not np.all(ring == ring[:1]):
             return nothing
-        grid = grid.T  # A row is a firing.
-    points = scan.xyz[grid]
-    points = np.where(np.isfinite(points).all(axis=-1, keepdims=True), points, 0.0)
-    range_m = np.sqrt(np.einsum("rci,rci->rc", points, points))
-    hit = range_m > 0
-    used, seen, rings, column = hit.any(axis=1), hit.any(axis=0), np.arange(len(hit)), np.arange(hit.shape[1])
-    flat = points[..., 0] + 1j * points[..., 1]  # As a complex number; its square length is the weight.
-    beside = (flat[:, 1:] * flat[:, :-1].conj())[hit[:, 1:] & hit[:, :-1]]
-    if np.count_nonzero(used) < 2 or not len(beside):
-        return nothing
-    step = float(np.median(np.angle(beside)))
-    phasor = flat * np.abs(flat) * np.exp(-1j * step * column)
-    of_ring = np.exp(1j * np.angle(phasor.sum(axis=1)))
-    of_ring[~used] = np.interp(rings[~used], rings[used], of_ring[used])
-    rest = np.angle((phasor * of_ring.conj()[:, None]).sum(axis=0))
-    of_column = np.exp(1j * (step * column + np.interp(column, column[seen], rest[seen])))
-    elevation = np.arctan2((points[..., 2] * range_m).sum(axis=1), (np.abs(flat) * range_m).sum(axis=1))
-    slope = np.polyfit(rings[used], elevation[used], 1)[0]
-    first, last = rings[used][0], rings[used][-1]
-    elevation[~used] = (np.interp(rings[~used], rings[used], elevation[used])
-                        + slope * (np.minimum(rings[~used] - first, 0) + np.maximum(rings[~used] - last, 0)))
-    level = (of_ring / np.abs(of_ring) * np.cos(elevation))[:, None] * of_column
-    found = np.empty(points.shape)
-    found[..., 0], found[..., 1], found[..., 2] = level.real, level.imag, np.sin(elevation)[:, None]
-    error = found * range_m[..., None] - points
-    if (np.sqrt(np.einsum("rci,rci->rc", error, error)) * range_m).sum() > _WORST_FIT_RAD * (range_m**2).sum():
-        return nothing
-    nothing[grid.reshape(-1)] = found.reshape(-1, 3)
-    return nothing
+        by_ring = False  # A row is a firing.
+    found = grid_directions(np.ascontiguousarray(scan.xyz), *scan.shape, by_ring)
+    return nothing if found is None else found
