@@ -17,14 +17,11 @@ using primitives::Primitive;
 using primitives::PrimitiveOrigin;
 using primitives::PrimitiveSet;
 
-constexpr std::pair<std::string_view, ClassKind> kKinds[] = {
-    {"shrub", ClassKind::kShrub}, {"tree", ClassKind::kTree}, {"patch", ClassKind::kPatch}};
-
 /// Whether a class is one of those of the names.
 bool is_among(Class label, const std::vector<std::string>& names) {
   return names.empty() || std::any_of(names.begin(), names.end(), [&](const std::string& name) {
            return name == elements::name(label) ||
-                  std::any_of(std::begin(kKinds), std::end(kKinds), [&](const auto& kind) {
+                  std::any_of(std::begin(kKindNames), std::end(kKindNames), [&](const auto& kind) {
                     return name == kind.first && elements::kind_of(label) == kind.second;
                   });
          });
@@ -32,7 +29,7 @@ bool is_among(Class label, const std::vector<std::string>& names) {
 
 void check_classes(const std::vector<std::string>& names) {
   std::vector<std::string> known;
-  for (const auto& [name, kind] : kKinds) known.emplace_back(name);
+  for (const auto& [name, kind] : kKindNames) known.emplace_back(name);
   for (const std::string_view name : elements::kClassNames) {
     if (elements::kind_of(*elements::class_from_name(name)) != ClassKind::kOther) {
       known.emplace_back(name);

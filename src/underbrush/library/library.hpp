@@ -4,9 +4,12 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "underbrush/core/option.hpp"
+#include "underbrush/elements/classes.hpp"
 #include "underbrush/library/edits.hpp"
 #include "underbrush/primitives/primitive_set.hpp"
 
@@ -14,9 +17,15 @@ namespace underbrush {
 /// Libraries of primitives of many logs.
 namespace library {
 
+/// The kinds of objects and their names.
+inline constexpr std::pair<std::string_view, elements::ClassKind> kKindNames[] = {
+    {"shrub", elements::ClassKind::kShrub},
+    {"tree", elements::ClassKind::kTree},
+    {"patch", elements::ClassKind::kPatch}};
+
 /// The options of the search for primitives and of the merge of sets.
 struct Options {
-  /// Names of classes, or of their kinds: shrub, tree and patch; empty = all.
+  /// Names of classes, or of their kinds (`kKindNames`); empty = all.
   std::vector<std::string> classes;
   double least_height_m = 0, most_height_m = 1000;
   double least_width_m = 0, most_width_m = 1000;  ///< m; limits of the longer side of the box.

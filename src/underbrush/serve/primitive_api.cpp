@@ -1,5 +1,7 @@
 #include "underbrush/serve/primitive_api.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <optional>
 
 #include "underbrush/core/check.hpp"
@@ -21,8 +23,10 @@ primitives::PrimitiveSet set_of(const OpenedFile& file) {
   return primitives::read_primitive_set(file.path);
 }
 
-const char* name_of(ClassKind kind) {
-  return kind == ClassKind::kPatch ? "patch" : kind == ClassKind::kTree ? "tree" : "shrub";
+std::string_view name_of(ClassKind kind) {
+  return std::find_if(std::begin(library::kKindNames), std::end(library::kKindNames),
+                      [kind](const auto& named) { return named.second == kind; })
+      ->first;
 }
 
 }  // namespace
