@@ -12,6 +12,7 @@ revolution when it is due, and prints how many were late and the server's memory
 from __future__ import annotations
 
 import argparse
+import itertools
 import json
 import math
 import os
@@ -144,7 +145,10 @@ def main() -> None:
         with subprocess.Popen([options.program, "live", options.model, "--sensor", options.sensor, *movers, "--json", "-"],
                               stdout=subprocess.PIPE, text=True) as server:
             assert server.stdout is not None
-            started = json.loads("".join(iter(server.stdout.readline, "}\n")) + "}")
+            reply = "".join(itertools.takewhile(lambda line: line != "}\n", server.stdout))
+            if not reply:
+                sys.exit("the server did not start")
+            started = json.loads(reply + "}")
             try:
                 client = SensorServer(started["address"], started["token"], 0.0, drive.sensor(0), **drive.boxes(0))
                 told = client.describe().sensors[0]

@@ -116,7 +116,7 @@ struct Shots {
 /// Calls act(begin, shots) for the beams of a log, some at a time, on all threads.
 template <class Act>
 void for_shots(const Simulation& s, size_t first_beam, const BeamLog& beams, Act act) {
-  constexpr size_t kShots = 8192, kFew = 2048;  // smaller tasks for few beams
+  constexpr size_t kShots = 8192, kFew = 1024;  // smaller tasks for few beams
   const size_t grain = beams.size() < 8 * kShots ? kFew : kShots;
   parallel_for(beams.size(), grain, [&](size_t begin, size_t end) {
     act(begin, Shots(s, first_beam, beams, begin, end));
