@@ -54,15 +54,19 @@ std::string text_of_channels(const ChannelOffsets& channels) {
 std::string text_of_keyframes(const elements::Model& model) {
   if (!model.keyframes) return "";
   const nlohmann::ordered_json j = pipeline::json_of(*model.keyframes);
-  std::string text = fmt::format("  keyframes   {} of {} x {} pixels, {:.1f} MB; remembered",
+  std::string text = fmt::format("  keyframes   {} of {} x {} pixels, {:.1f} MB; weight",
                                  j["frames"].get<size_t>(), j["rows"].get<size_t>(),
                                  j["columns"].get<size_t>(), j["bytes"].get<double>() / 1e6);
+  constexpr double kLeastWeight = 0.005;
+  bool is_used = false;
   for (const nlohmann::ordered_json& d : j["trust"]) {
     const double agreed = d["where_ranges_agree"], differ = d["where_they_differ"];
-    if (agreed == 0 && differ == 0) continue;
+    if (std::max(agreed, differ) < kLeastWeight) continue;
+    is_used = true;
     text += fmt::format(" {:.0f} to {:.0f} % up to {:g} m,", 100 * std::min(agreed, differ),
                         100 * std::max(agreed, differ), d["up_to_m"].get<double>());
   }
+  if (!is_used) return text + " below 1 %\n";
   text.back() = '\n';
   return text;
 }

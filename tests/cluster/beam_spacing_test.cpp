@@ -73,27 +73,46 @@ TEST(BeamSpacing, OfFewBeamsIsNone) {
   EXPECT_EQ(spacing_of(log), BeamSpacing());
 }
 
-// Points 10 m to the east of each of so many sensors, in two clusters and none.
+constexpr BeamSpacing kSpacing{0.2 * kDegree, 1.5 * kDegree};
+
+double even_variance(double angle) { return std::pow(10 * angle, 2) / 12; }
+
+// The open covariances of two clusters, of points 10 m to the east of `places` places of a sensor
+// that are 1 m apart from south to north. The rings of place k pass k · `part` of their gap above
+// those of the first.
+std::vector<Eigen::Matrix3f> open_of_places(int places, double part) {
+  std::vector<Vec3f> points, to_sensor;
+  Clusters clusters;
+  for (int k = 0; k < 20; ++k) {
+    const int place = k % places;
+    points.emplace_back(10, 0.001f * float(k), float(place * part * 10 * kSpacing.from_ring));
+    to_sensor.emplace_back(-10, float(place), 0);
+    clusters.group.push_back(k == 7 ? Clusters::kNone : k < 10 ? 0 : 1);
+  }
+  clusters.count = 2;
+  return open_covariances(points, to_sensor, clusters, kSpacing);
+}
+
 TEST(OpenCovariance, IsThatOfEvenMatterBetweenTheBeams) {
-  const BeamSpacing spacing{0.2 * kDegree, 1.5 * kDegree};
-  for (const int sensors : {1, 5}) {
-    std::vector<Vec3f> points, to_sensor;
-    Clusters clusters;
-    for (int k = 0; k < 20; ++k) {
-      points.emplace_back(10, 0.01f * float(k), 0);
-      to_sensor.emplace_back(-10, float(k % sensors), 0);
-      clusters.group.push_back(k == 7 ? Clusters::kNone : k < 10 ? 0 : 1);
-    }
-    clusters.count = 2;
-    const auto open = open_covariances(points, to_sensor, clusters, spacing);
-    ASSERT_EQ(open.size(), 2u);
-    for (const Eigen::Matrix3f& m : open) {
-      // The sensors stand up to 4 m aside, which makes ranges and directions differ somewhat.
-      const double slack = sensors == 1 ? 0.01 : 0.15;
-      const auto variance = [&](double angle) { return std::pow(10 * angle, 2) / 12 / sensors; };
-      EXPECT_NEAR(m(1, 1) / variance(spacing.in_ring), 1, slack);
-      EXPECT_NEAR(m(2, 2) / variance(spacing.from_ring), 1, slack);
-      if (sensors == 1) EXPECT_LT(m(0, 0), 1e-3 * m(1, 1));
+  const std::vector<Eigen::Matrix3f> open = open_of_places(1, 0);
+  ASSERT_EQ(open.size(), 2u);
+  for (const Eigen::Matrix3f& m : open) {
+    EXPECT_NEAR(m(1, 1) / even_variance(kSpacing.in_ring), 1, 0.01);
+    EXPECT_NEAR(m(2, 2) / even_variance(kSpacing.from_ring), 1, 0.01);
+    EXPECT_LT(m(0, 0), 1e-3 * m(1, 1));
+  }
+}
+
+// Rings that divide a gap into n equal parts leave 1 / n² of the variance, and rings that fall on
+// those of the other places all of it, as those of a sensor that drives along a wall do.
+TEST(OpenCovariance, IsReducedByBeamsThatFallIntoTheGaps) {
+  for (const int places : {2, 3, 5}) {
+    for (const bool divides : {false, true}) {
+      for (const Eigen::Matrix3f& m : open_of_places(places, divides ? 1.0 / places : 0)) {
+        const double share = divides ? 1.0 / (places * places) : 1;
+        // The places are up to 4 m aside, which makes ranges and directions differ somewhat.
+        EXPECT_NEAR(m(2, 2) / (share * even_variance(kSpacing.from_ring)), 1, 0.15);
+      }
     }
   }
 }

@@ -109,12 +109,49 @@ struct Angles {
   }
 };
 
+/// A place of the sensor, and where its beams pass a cluster's first point: the parts of the gaps
+/// in its ring and between rings, from 0 to 1.
+struct Strokes {
+  std::array<int32_t, 3> cell;
+  std::array<double, 2> part;
+};
+
 /// The sums over the points of a cluster.
 struct OpenSums {
   size_t n = 0;
-  Mat3 squares = Mat3::Zero();
-  std::vector<std::array<int32_t, 3>> places;
+  Vec3 first;
+  std::array<Mat3, 2> squares{Mat3::Zero(), Mat3::Zero()};  // in the ring and between rings
+  std::vector<Strokes> places;
 };
+
+/// By how much the strokes of several places reduce the variance of matter that reaches half way
+/// from each stroke to the next. `part` has their places in a gap, which are sorted.
+double share_of_gap(std::vector<double>& part) {
+  std::sort(part.begin(), part.end());
+  double sum = 0;
+  for (size_t k = 0; k < part.size(); ++k) {
+    const double gap = k + 1 < part.size() ? part[k + 1] - part[k] : part[0] + 1 - part[k];
+    sum += gap * gap * gap;
+  }
+  return sum;
+}
+
+/// The covariance of a cluster's matter between the beams.
+Mat3 open_covariance(OpenSums& of) {
+  std::stable_sort(of.places.begin(), of.places.end(),
+                   [](const Strokes& a, const Strokes& b) { return a.cell < b.cell; });
+  const auto last =
+      std::unique(of.places.begin(), of.places.end(),
+                  [](const Strokes& a, const Strokes& b) { return a.cell == b.cell; });
+  of.places.erase(last, of.places.end());
+  Mat3 out = Mat3::Zero();
+  for (size_t k = 0; k < 2; ++k) {
+    std::vector<double> part;
+    for (const Strokes& place : of.places) part.push_back(place.part[k]);
+    out += of.squares[k] * share_of_gap(part);
+  }
+  return out / (12 * double(of.n));
+}
 
 }  // namespace
 
@@ -163,24 +200,26 @@ std::vector<Eigen::Matrix3f> open_covariances(std::span<const Vec3f> points,
   for (size_t i = 0; i < points.size(); ++i) {
     if (clusters.group[i] == Clusters::kNone) continue;
     OpenSums& of = sums[clusters.group[i]];
-    const Vec3 sight = to_sensor[i].cast<double>();
-    const Vec3 along = Vec3(-sight.y(), sight.x(), 0).normalized(), across = along.cross(sight);
-    // Both vectors have the length r times the angle.
-    const Vec3 in_ring = spacing.in_ring * sight.norm() * along;
-    const Vec3 from_ring = spacing.from_ring * across;
-    of.squares += in_ring * in_ring.transpose() + from_ring * from_ring.transpose();
-    ++of.n;
+    const Vec3 sight = to_sensor[i].cast<double>(), point = points[i].cast<double>();
+    if (of.n++ == 0) of.first = point;
+    const Vec3 along = Vec3(-sight.y(), sight.x(), 0).normalized();
+    // Both vectors have the length of a gap, r times the angle.
+    const Vec3 gaps[2] = {spacing.in_ring * sight.norm() * along,
+                          spacing.from_ring * along.cross(sight)};
     const Vec3f place = (points[i] + to_sensor[i]) / float(kPlaceM);
-    std::array<int32_t, 3> cell;
-    for (int k = 0; k < 3; ++k) cell[size_t(k)] = int32_t(std::floor(place[k]));
-    if (of.places.empty() || of.places.back() != cell) of.places.push_back(cell);
+    Strokes strokes{};
+    for (size_t k = 0; k < 3; ++k) strokes.cell[k] = int32_t(std::floor(place[int(k)]));
+    for (size_t k = 0; k < 2; ++k) {
+      of.squares[k] += gaps[k] * gaps[k].transpose();
+      const double length2 = gaps[k].squaredNorm();
+      const double away = length2 > 0 ? (point - of.first).dot(gaps[k]) / length2 : 0;
+      strokes.part[k] = away - std::floor(away);
+    }
+    if (of.places.empty() || of.places.back().cell != strokes.cell) of.places.push_back(strokes);
   }
   std::vector<Eigen::Matrix3f> out;
   for (OpenSums& of : sums) {
-    if (of.n == 0) continue;
-    std::sort(of.places.begin(), of.places.end());
-    const auto distinct = std::unique(of.places.begin(), of.places.end()) - of.places.begin();
-    out.push_back((of.squares / (12.0 * double(of.n) * double(distinct))).cast<float>());
+    if (of.n > 0) out.push_back(open_covariance(of).cast<float>());
   }
   return out;
 }

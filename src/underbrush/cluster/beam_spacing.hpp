@@ -27,10 +27,11 @@ BeamSpacing beam_spacing(BeamSource& log);
 /// The covariances, m², that the ellipsoids of clusters have at least because nothing is known
 /// between the beams. Matter that a beam met is taken to reach half way to its neighbours, evenly,
 /// so that the variances along and across its ring are (r a)²/12 with the range r and the angle a
-/// between the beams, averaged over the points. Each further place (within 25 cm) that the sensor
-/// measured a cluster from fills the gaps of the others, and divides them by the number of places.
-/// `points` and `to_sensor` are as in `VolumetricPoints`. The result has one entry for each cluster
-/// that has points, in their order.
+/// between the beams, averaged over the points. The beams of further places (within 25 cm) of the
+/// sensor may fall into the gaps: beams that divide a gap into the parts g_k of it reduce the
+/// variance in that direction to Σ g_k³. Beams that fall on those of other places, as the rings of
+/// a sensor do that drives along a wall, do not. `points` and `to_sensor` are as in
+/// `VolumetricPoints`. The result has one entry for each cluster that has points, in their order.
 std::vector<Eigen::Matrix3f> open_covariances(std::span<const Vec3f> points,
                                               std::span<const Vec3f> to_sensor,
                                               const Clusters& clusters, const BeamSpacing& spacing);

@@ -1,5 +1,6 @@
 #include "underbrush/keyframes/keyframe_trust.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -16,7 +17,10 @@ using elements::KeyframeTrust;
 
 constexpr size_t kPixels = KeyframeTrust::kPixels, kScales = KeyframeTrust::kScales;
 static_assert(kPixels == kLanes);
-constexpr int kTrustRounds = 15;
+/// Most accelerated rounds of an expectation and maximisation, and the largest change of a weight
+/// in a step at which they end.
+constexpr int kTrustRounds = 40;
+constexpr double kSettled = 1e-4;
 /// A distance at which fewer beams were looked at is not trusted.
 constexpr size_t kLeastBeams = 1000;
 /// Beams' worth of the weights of all distances that are mixed into those of one.
@@ -26,11 +30,13 @@ constexpr double kLeastSigma = 0.003, kLargestSigma = 0.6;  // m
 /// The sums of an expectation over some samples, for one situation: of the shares of the elements,
 /// of the pixels, of the scales, and of these times the squared distance.
 struct Expected {
+  double likelihood = 0;  ///< Sum of ln f of the samples.
   double elements = 0;
   std::array<double, kPixels> pixel{};
   std::array<double, kScales> scale{}, square_m2{};
 
   void add(const Expected& other) {
+    likelihood += other.likelihood;
     elements += other.elements;
     for (size_t r = 0; r < kPixels; ++r) pixel[r] += other.pixel[r];
     for (size_t c = 0; c < kScales; ++c) {
@@ -72,6 +78,7 @@ UNDERBRUSH_CLONES void expect(const TrustSample* samples, const uint32_t* which,
     const double total =
         s.outlier + of_elements * s.elements + sum_of(__builtin_convertvector(sum, D));
     if (!(total > 0)) continue;
+    out.likelihood += std::log(total);
     // A pixel that a beam does not find has the density of the elements, with its own weight.
     out.elements += t.elements * s.elements / total;
     const auto one = float(1 / total);
@@ -120,20 +127,85 @@ KeyframeTrust first_guess() {
   return t;
 }
 
-/// Maximises the likelihood of the samples of some situations.
-KeyframeTrust most_likely(const std::vector<TrustSample>& samples,
-                          const std::vector<uint32_t>& which, const KeyframeTrust& prior,
-                          double prior_beams) {
-  constexpr size_t kPiece = 4096;
-  KeyframeTrust t = prior;
-  for (int round = 0; round < kTrustRounds; ++round) {
-    std::vector<Expected> pieces((which.size() + kPiece - 1) / kPiece);
-    parallel_for(which.size(), kPiece, [&](size_t begin, size_t end) {
-      expect(samples.data(), which.data() + begin, end - begin, t, pieces[begin / kPiece]);
+/// The weights, scales and variances of a trust as one vector, and back; a step beyond their limits
+/// ends at them.
+using TrustVector = Eigen::Array<double, 1 + kPixels + 2 * kScales, 1>;
+
+TrustVector vector_of(const KeyframeTrust& t) {
+  TrustVector v;
+  v[0] = t.elements;
+  for (size_t r = 0; r < kPixels; ++r) v[int(1 + r)] = t.pixel[r];
+  for (size_t c = 0; c < kScales; ++c) {
+    v[int(1 + kPixels + c)] = t.scale[c];
+    v[int(1 + kPixels + kScales + c)] = t.sigma_m[c];
+  }
+  return v;
+}
+
+KeyframeTrust trust_of(const TrustVector& v) {
+  constexpr double kLeast = 1e-9;
+  const TrustVector w = v.max(kLeast);
+  const double weights = w.head<1 + kPixels>().sum(),
+               scales = w.segment<kScales>(1 + kPixels).sum();
+  KeyframeTrust t;
+  t.elements = w[0] / weights;
+  for (size_t r = 0; r < kPixels; ++r) t.pixel[r] = w[int(1 + r)] / weights;
+  for (size_t c = 0; c < kScales; ++c) {
+    t.scale[c] = w[int(1 + kPixels + c)] / scales;
+    t.sigma_m[c] = std::clamp(w[int(1 + kPixels + kScales + c)], kLeastSigma, kLargestSigma);
+  }
+  return t;
+}
+
+/// An expectation and a maximisation of the trust in the samples of some situations.
+class TrustStep {
+ public:
+  TrustStep(const std::vector<TrustSample>& samples, const std::vector<uint32_t>& which,
+            const KeyframeTrust& prior, double prior_beams)
+      : samples_(samples), which_(which), prior_(prior), prior_beams_(prior_beams) {}
+
+  /// Returns the next trust; `likelihood` becomes that of `t`.
+  KeyframeTrust operator()(const KeyframeTrust& t, double& likelihood) const {
+    constexpr size_t kPiece = 4096;
+    std::vector<Expected> pieces((which_.size() + kPiece - 1) / kPiece);
+    parallel_for(which_.size(), kPiece, [&](size_t begin, size_t end) {
+      expect(samples_.data(), which_.data() + begin, end - begin, t, pieces[begin / kPiece]);
     });
     Expected all;
     for (const Expected& piece : pieces) all.add(piece);
-    t = trust_of(all, prior, prior_beams);
+    likelihood = all.likelihood;
+    return trust_of(all, prior_, prior_beams_);
+  }
+
+ private:
+  const std::vector<TrustSample>& samples_;
+  const std::vector<uint32_t>& which_;
+  const KeyframeTrust& prior_;
+  double prior_beams_;
+};
+
+/// Maximises the likelihood of the samples of some situations. For most beams, such as those into
+/// the sky, elements and pixels have the same likelihood. These beams do not change the maximum,
+/// but make the steps short. Two steps are therefore extrapolated by squares (SQUAREM [varadhan08])
+/// as long as this raises the likelihood.
+KeyframeTrust most_likely(const std::vector<TrustSample>& samples,
+                          const std::vector<uint32_t>& which, const KeyframeTrust& prior,
+                          double prior_beams) {
+  const TrustStep step(samples, which, prior, prior_beams);
+  KeyframeTrust t = prior;
+  for (int round = 0; round < kTrustRounds; ++round) {
+    double before = 0, after = 0, extrapolated = 0;
+    const KeyframeTrust one = step(t, before), two = step(one, after);
+    const TrustVector v0 = vector_of(t), v1 = vector_of(one), v2 = vector_of(two);
+    const TrustVector change = v1 - v0, bend = v2 - v1 - change;
+    t = two;
+    if (change.abs().maxCoeff() < kSettled) break;
+    const double norm = bend.matrix().norm();
+    if (!(norm > 0)) break;
+    const double length = std::max(1.0, change.matrix().norm() / norm);
+    const KeyframeTrust far = trust_of(v0 + 2 * length * change + length * length * bend);
+    const KeyframeTrust next = step(far, extrapolated);
+    if (extrapolated >= after) t = next;
   }
   return t;
 }

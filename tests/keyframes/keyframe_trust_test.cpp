@@ -1,0 +1,39 @@
+#include "underbrush/keyframes/keyframe_trust.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace underbrush::keyframes {
+namespace {
+
+// A beam beside eight pixels without a return. Its own return, if any, has the density 0.5 by the
+// elements, and a miss the probability `elements`.
+TrustSample sample(bool returns, double elements) {
+  CachedPixels found;
+  found.count = TrustSample::kPixels;
+  for (size_t k = 0; k < found.count; ++k) {
+    found.rank[k] = uint8_t(k);
+    found.range_m[k] = INFINITY;
+  }
+  TrustSample s(found, returns ? 10 : INFINITY);
+  s.elements = elements;
+  return s;
+}
+
+// Of a thousand beams, elements of the weight w that pass half of them leave 1 − w / 2 without a
+// return. Beams into the sky, for which elements and pixels agree, change nothing, however many
+// they are.
+TEST(KeyframeTrust, IsTheMostLikelyOneBesideBeamsThatTellNothing) {
+  for (const double weight : {0.1, 0.8, 1.0}) {
+    for (const int sky : {0, 20000}) {
+      std::vector<TrustSample> samples;
+      for (int k = 0; k < sky; ++k) samples.push_back(sample(false, 1));
+      for (int k = 0; k < 10000; ++k) samples.push_back(sample(k < 5000 * weight, 0.5));
+      EXPECT_NEAR(most_likely_trust(samples)[0].elements, weight, 0.02) << sky;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace underbrush::keyframes
