@@ -57,12 +57,12 @@ BeamLog log_of_drive(size_t beams, uint64_t seed, double least_slope, double mos
   return log;
 }
 
-/// A drive through a medium of one density up to `kTopM` over flat ground. Each beam meets its own
+/// A drive through a medium of one density up to a height over flat ground. Each beam meets its own
 /// medium.
-BeamLog log_in_medium(size_t beams) {
-  return log_of_drive(beams, 7, -0.1, 0.1, [](const Vec3& d, Stream& random) {
+BeamLog log_in_medium(size_t beams, double top_m = kTopM) {
+  return log_of_drive(beams, 7, -0.1, 0.1, [top_m](const Vec3& d, Stream& random) {
     const double ground = d.z() < 0 ? -1.5 / d.z() : HUGE_VAL;
-    const double top = d.z() > 0 ? (kTopM - 1.5) / d.z() : HUGE_VAL;
+    const double top = d.z() > 0 ? (top_m - 1.5) / d.z() : HUGE_VAL;
     const double free = -std::log1p(-random.uniform()) / kDensity;
     return free < top ? std::min(free, ground) : HUGE_VAL;
   });
@@ -102,6 +102,30 @@ TEST(ObservedSpace, KnowsTheCellsThatBeamsCrossedAndNoOthers) {
   EXPECT_EQ(beams_of(*m.observed, {10, 0, 1}), 6);
   learn_observed_space(m, source, {0, 0});
   EXPECT_FALSE(m.observed);
+}
+
+// The top of the medium lies within an interval of the heights.
+TEST(ObservedSpace, EndsAtTheHighestReturns) {
+  constexpr double kTop = 5.5;
+  elements::Model m = flat_model();
+  const BeamLog log = log_in_medium(60000, kTop);
+  MemorySource source(log);
+  learn_observed_space(m, source, {1, 0});
+  ASSERT_TRUE(m.observed);
+  EXPECT_NEAR(m.observed->top_m, kTop, 0.1);
+  const size_t height = elements::ObservedSpace::height_interval(5),
+               range = elements::ObservedSpace::range_interval(30);
+  EXPECT_NEAR(double(m.observed->density_per_m[height][range]) / kDensity, 1, 0.3);
+  const trace::UnknownSpace unknown(*m.observed, m.ground, m.origin);
+  size_t ends = 0;
+  for (uint64_t key = 0; key < 2000; ++key) {
+    const Ray down{{-5.5, 60.5, 20}, Vec3(0, 0, -1)};
+    const auto end = unknown.drawn_end(down, key, {0, kReachM});
+    if (!end) continue;
+    ++ends;
+    EXPECT_LT(20 - *end, kTop + 1);  // the step of a cell in which the top lies
+  }
+  EXPECT_GT(ends, 200u);
 }
 
 TEST(ObservedMap, CountsTheBeamsOfAWalkStepByStep) {

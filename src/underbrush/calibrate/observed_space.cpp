@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 
 #include "underbrush/calibrate/observed_map.hpp"
@@ -146,11 +147,29 @@ std::array<ObservedSpace, 2> maps_of(const elements::Model& model, BeamSource& l
 
 using Ranges = std::array<double, ObservedSpace::kRanges>;
 
+/// The greatest heights above the ground of some returns, m, in descending order. The last one of
+/// `kMost` is taken for the height of the highest matter, so that a few stray returns do not count.
+struct GreatestHeights {
+  static constexpr size_t kMost = 8;
+  std::vector<double> height_m;
+
+  void add(double height) {
+    if (height_m.size() == kMost && !(height > height_m.back())) return;
+    height_m.insert(std::upper_bound(height_m.begin(), height_m.end(), height, std::greater<>()),
+                    height);
+    if (height_m.size() > kMost) height_m.pop_back();
+  }
+};
+
 /// What the ground returned of the beams of a log that came to it.
 struct GroundReturns {
   std::array<std::vector<elements::LostBeams>, 2>
       lost;  ///< The lost beams of each part of the log.
   std::array<float, ObservedSpace::kRanges> share{};
+  GreatestHeights greatest;
+
+  /// The height of the highest matter; 0 without returns.
+  double top_m() const { return greatest.height_m.empty() ? 0 : greatest.height_m.back(); }
 };
 
 /// Beams that end near the ground returned from it, and beams without a return that went below it
@@ -166,6 +185,7 @@ GroundReturns ground_returns(const elements::Model& model, BeamSource& log, cons
   struct Piece {
     std::vector<Lost> lost;
     Ranges returned{};  // whole numbers
+    GreatestHeights greatest;
   };
   const trace::GroundHeights ground(model.ground, {});
   const trace::RangeLimits reach{options.min_range_m, reach_of(model, log.info())};
@@ -178,6 +198,7 @@ GroundReturns ground_returns(const elements::Model& model, BeamSource& log, cons
       const Vec3 end = ray.origin + range * ray.direction;
       const double height = end.z() - ground.at(end.x(), end.y());
       to.returned[ObservedSpace::range_interval(range)] += height < ObservedSpace::kGroundM;
+      to.greatest.add(height);
     } else if (const auto at = ground.entry(ray, reach, options.cell_m)) {
       const Vec3 p = ray.origin + *at * ray.direction;
       to.lost.push_back({cell_of(p.x(), p.y(), ObservedSpace::kSquareM), parts.of(chunk, i),
@@ -187,19 +208,20 @@ GroundReturns ground_returns(const elements::Model& model, BeamSource& log, cons
   std::array<std::map<Cell2, uint32_t>, 2> beams;
   std::vector<Lost> lost;
   Ranges returned{}, gone{};
+  GroundReturns out;
   for_each_piece(
       log, [] { return Piece(); }, add,
       [&](const Piece& piece) {
         for (const Lost& l : piece.lost) ++beams[l.part][l.at];
         lost.insert(lost.end(), piece.lost.begin(), piece.lost.end());
         for (size_t r = 0; r < returned.size(); ++r) returned[r] += piece.returned[r];
+        for (const double height : piece.greatest.height_m) out.greatest.add(height);
       });
   for (const Lost& l : lost) {
     double n = 0;
     for (const auto& part : beams) n += part.contains(l.at) ? part.at(l.at) : 0;
     gone[l.range] += 1 / (1 + n);
   }
-  GroundReturns out;
   for (size_t r = 0; r < ObservedSpace::kRanges; ++r) {
     out.share[r] = float((returned[r] + kPrior) / (returned[r] + gone[r] + kPrior));
   }
@@ -223,7 +245,7 @@ Counts counts_of(const elements::Model& model, BeamSource& log, const Parts& par
   const trace::UnknownSpace unknown[2]{{spaces[0], model.ground, model.origin, keep[0]},
                                        {spaces[1], model.ground, model.origin, keep[1]}};
   const size_t every = std::max<size_t>(1, parts.beams / kSamples);
-  const double reach = reach_of(model, log.info());
+  const double reach = reach_of(model, log.info()), top_m = spaces[0].top_m;
   /// A step of a beam through unknown space.
   struct Step {
     size_t height, range;
@@ -242,7 +264,7 @@ Counts counts_of(const elements::Model& model, BeamSource& log, const Parts& par
     const bool is_lost = !is_hit && other.ground().entry(in_model, way, options.cell_m).has_value();
     other.follow(chunk.ray(i), way, [&](const trace::UnknownSpace::Step& s) {
       if (s.from_m >= end) return false;
-      if (s.is_low() && is_lost) return true;
+      if ((s.is_low() && is_lost) || s.height_m > top_m) return true;
       to.push_back({ObservedSpace::height_interval(s.height_m),
                     ObservedSpace::range_interval(0.5 * (s.from_m + s.to_m)),
                     s.way_m(std::min(s.to_m, end)), is_hit && end < s.to_m});
@@ -303,6 +325,7 @@ void learn_observed_space(elements::Model& model, BeamSource& log,
   for (size_t k = 0; k < 2; ++k) {
     spaces[k].lost = std::move(ground.lost[k]);
     spaces[k].ground_returns = ground.share;
+    spaces[k].top_m = ground.top_m();
   }
   // With any density in the highest interval, all heights are followed.
   for (ObservedSpace& s : spaces) s.density_per_m.back().fill(1);
@@ -324,6 +347,7 @@ void update_observed_space(elements::Model& model, BeamSource& log, double min_r
   GroundReturns ground = ground_returns(model, log, extent.parts, options);
   for (size_t k = 0; k < 2; ++k) {
     maps[k].lost = std::move(ground.lost[k]);
+    maps[k].top_m = ground.top_m();
     space->add(maps[k]);
   }
   model.observed = std::move(space);

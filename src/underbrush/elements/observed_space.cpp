@@ -45,9 +45,11 @@ void ObservedSpace::add(const ObservedSpace& other) {
   }
   lost.clear();
   for (const auto& [at, n] : beams) lost.push_back({at, n});
+  top_m = std::max(top_m, other.top_m);
 }
 
 void ObservedSpace::check() const {
+  require(std::isfinite(top_m), "observed space: its top must be a finite height");
   require(std::isfinite(cell_m) && cell_m > 0, "observed space: its cells must have a size");
   for (size_t k = 1; k < blocks.size(); ++k) {
     require(blocks[k - 1].at < blocks[k].at, "observed space: its blocks are not in order");

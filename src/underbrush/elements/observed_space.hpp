@@ -51,7 +51,9 @@ struct ObservedSpace {
   static constexpr double kSquareM = 4;    ///< Side of the squares of `lost`, m.
   static constexpr double kGroundM = 0.5;  ///< A beam is near the ground below this height, m.
 
-  double cell_m = 1;                  ///< Side of the cells.
+  double cell_m = 1;  ///< Side of the cells.
+  double top_m =
+      2 * kHeightsM.back();           ///< Height above the ground beyond which there is no matter.
   std::vector<ObservedBlock> blocks;  ///< Blocks in the order of `at`; all other cells are unknown.
   std::array<std::array<float, kRanges>, kHeights> density_per_m{};  ///< κ, 1/m.
   std::vector<LostBeams> lost;  ///< Squares in the order of `at`; others lost no beam.

@@ -73,6 +73,7 @@ void write_observed_space(const fs::path& folder, const ObservedSpace& space) {
 std::string manifest_of_observed_space(const ObservedSpace& space) {
   return Json{{"file", kObservedSpaceFile},
               {"cell_m", space.cell_m},
+              {"top_m", space.top_m},
               {"blocks", space.blocks.size()},
               {"heights_m", ObservedSpace::kHeightsM},
               {"ranges_m", ObservedSpace::kRangesM},
@@ -84,6 +85,7 @@ std::string manifest_of_observed_space(const ObservedSpace& space) {
 std::shared_ptr<const ObservedSpace> read_observed_space(const io::JsonValue& j) {
   auto space = std::make_shared<ObservedSpace>();
   space->cell_m = j.at("cell_m").number();
+  if (const auto top = j.find("top_m")) space->top_m = top->number();
   const std::vector<io::JsonValue> rows = j.at("density_per_m").values();
   if (rows.size() != ObservedSpace::kHeights)
     j.at("density_per_m").fail("another number of heights");

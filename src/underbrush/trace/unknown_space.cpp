@@ -125,8 +125,8 @@ UnknownSpace::UnknownSpace(const ObservedSpace& space, const elements::TriangleM
   for (size_t h = 0; h < ObservedSpace::kHeights; ++h) {
     const auto& row = space.density_per_m[h];
     if (std::all_of(row.begin(), row.end(), [](float x) { return x == 0; })) continue;
-    constexpr double kHighestM = 2 * ObservedSpace::kHeightsM.back();
-    top_m_ = h < ObservedSpace::kHeightsM.size() ? ObservedSpace::kHeightsM[h] : kHighestM;
+    top_m_ = h < ObservedSpace::kHeightsM.size() ? ObservedSpace::kHeightsM[h] : HUGE_VAL;
+    top_m_ = std::min(top_m_, space.top_m);
     double& most =
         h < ObservedSpace::height_interval(ObservedSpace::kGroundM) ? most_low_ : most_high_;
     most = std::max(most, double(*std::ranges::max_element(row)));
@@ -134,6 +134,7 @@ UnknownSpace::UnknownSpace(const ObservedSpace& space, const elements::TriangleM
 }
 
 double UnknownSpace::depth(const Step& s) const {
+  if (s.height_m > top_m_) return 0;
   const size_t h = ObservedSpace::height_interval(s.height_m),
                r = ObservedSpace::range_interval(0.5 * (s.from_m + s.to_m));
   return double(space_.density_per_m[h][r]) * s.way_m(s.to_m);
