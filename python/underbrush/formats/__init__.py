@@ -11,7 +11,7 @@ from typing import Any
 from ..errors import FormatError
 from ._files import OptionMissing, PathLike
 from .log import beams_of_recording, export_log
-from .place import beams, place
+from .place import beams, place, read_poses_of
 from .scans import Poses, Recording, Scan
 from .trajectory import read_poses
 
@@ -78,6 +78,6 @@ def open_recording(path: PathLike, *, topic: str | None = None, poses: PathLike 
         from .packets import PacketRecording  # type: ignore[import-not-found, unused-ignore]
         recording = PacketRecording(path, metadata=metadata or None, sensor=sensor or None, stream=topic or None)
     if poses:
-        recording.poses = read_poses(poses, getattr(recording, "pose_times", None))
+        recording.poses = read_poses_of(recording, poses)
     result: Recording = recording
     return result

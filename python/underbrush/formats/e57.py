@@ -23,6 +23,15 @@ _EXTRA = {"timeStamp": "time_stamp", "rowIndex": "row", "columnIndex": "column",
 _BASE = (("cartesianX", "cartesianY", "cartesianZ"), ("sphericalRange", "sphericalAzimuth", "sphericalElevation"))
 
 
+def _points(scan: Scan) -> Array:
+    """The hits of a scan, (n, 3), m."""
+    if scan.xyz is not None:
+        return scan.xyz[np.isfinite(scan.xyz[:, 0])]
+    assert scan.direction is not None and scan.range_m is not None
+    hit = np.isfinite(scan.range_m)
+    return np.asarray(scan.direction[hit] * scan.range_m[hit, None].astype(np.float64))
+
+
 class E57Recording:
     """An E57 file. A scan is a piece of a quarter million points of one station, in the station's frame.
 
@@ -97,16 +106,33 @@ class E57Recording:
         return np.arange(len(self._stations), dtype=np.float64)
 
     def _take_for_world(self, file: Any) -> None:
-        """Without a pose other than the identity, points far away but close together have coordinates of the world."""
-        count, names, _ = self._stations[self._chosen[0]]
-        if self._posed or not count:
+        """Points far away but close together have coordinates of the world. Of the pose, only the position then counts,
+        if it is not the origin."""
+        station = self._chosen[0]
+        count, names, _ = self._stations[station]
+        if not count:
             return
-        scan = self._scan(next(self._pieces(file, self._chosen[0], count, names)), 0, self._chosen[0])
+        scan = self._scan(next(self._pieces(file, station, count, names)), 0, station)
         self.skipped.clear()
-        assert scan.direction is not None and scan.range_m is not None
-        hit = np.isfinite(scan.range_m)
-        if far_from_sensor(scan.direction[hit] * scan.range_m[hit, None]):
-            self.world, self.poses = True, None
+        points = _points(scan)
+        if not far_from_sensor(points):
+            return
+        self.world = True
+        if not self._posed:
+            self.poses = None
+        elif self.poses is not None and far_from_sensor(points - self.poses.position[station]):
+            raise FormatError(self.path, f"station {station}", "its points lie far from the scanner and close together, as "
+                              "those of the world do, and its pose lies far from them: remove the pose, or move the points "
+                              "to the scanner's frame")
+
+    def notes(self) -> list[str]:
+        """What was assumed, one line each."""
+        if self.world and self._posed:
+            return ["the points have the coordinates of the world already: of the stations' poses, only the positions are "
+                    "used"]
+        if self.poses is not None and not self._posed:
+            return ["the stations have no poses: the scanner is taken to stand at the origin of the coordinates"]
+        return []
 
     def found(self) -> list[str]:
         lines = [f"E57, {len(self._stations)} stations, {self.bytes_total / 1e6:.1f} MB"]
@@ -123,8 +149,14 @@ class E57Recording:
         try:
             for station in self._chosen:
                 count, names, _ = self._stations[station]
+                first = True
                 for columns in self._pieces(file, station, count, names):
                     scan = self._scan(columns, number, station)
+                    if first and not self.world and self._posed and far_from_sensor(_points(scan)):
+                        raise FormatError(self.path, f"station {station}", "its points have the coordinates of the world, "
+                                          "but those of other stations have their scanner's: read it with --topic "
+                                          f"{station}")
+                    first = False
                     done += len(columns[next(iter(columns))])
                     self.bytes_done = self.bytes_total * done // total
                     if len(scan):
