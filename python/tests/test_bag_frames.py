@@ -86,6 +86,35 @@ def test_registered_clouds_have_the_coordinates_of_the_world(tmp_path: pathlib.P
         inference_of(recording, "velodyne-vlp16")
 
 
+def test_clouds_of_a_sensor_that_are_said_to_be_in_the_world(tmp_path: pathlib.Path) -> None:
+    """Some name the frame of a sensor's clouds map, whatever it is. A moving sensor sees cones about itself."""
+    azimuth, ring = np.tile(np.linspace(-3, 3, 30), 8), np.repeat(np.arange(8), 30).astype(np.uint16)
+    with bag(tmp_path / "d.bag", "ros1") as out:
+        for k in range(SCANS):
+            table = np.zeros(240, [(name, "<f4") for name in "xyz"] + [("ring", "<u2")])
+            flat = 5 + np.sin(3 * azimuth)
+            table["x"], table["y"], table["ring"] = flat * np.cos(azimuth), flat * np.sin(azimuth), ring
+            table["z"] = flat * np.tan(np.deg2rad(2.0 * ring - 8))
+            out.cloud("/points", START_S + 0.1 * k, table, "map")
+        for time, position, rotation in zip(LIDAR.time_s, LIDAR.position + [5, 0, 0], LIDAR.rotation):
+            topic(POSE, "map", "")(out, time, position, rotation)
+    recording = open_recording(tmp_path / "d.bag")
+    first = end_points(next(beams(recording)))
+    position, rotation, _ = pose_at(LIDAR, np.full(240, START_S))
+    flat = 5 + np.sin(3 * azimuth)
+    xyz = np.column_stack([flat * np.cos(azimuth), flat * np.sin(azimuth), flat * np.tan(np.deg2rad(2.0 * ring - 8))])
+    np.testing.assert_allclose(first, rotate(rotation, xyz) + position + [5, 0, 0], atol=1e-5)
+    assert not recording.world and "taken for those of the sensor" in recording.notes()[0]  # type: ignore[attr-defined]
+
+
+def test_a_file_of_poses_for_clouds_of_the_world_is_said_to_be_applied(tmp_path: pathlib.Path) -> None:
+    (tmp_path / "poses.txt").write_text(f"{START_S - 1} 5 0 0 0 0 0 1\n{START_S + 1} 9 0 0 0 0 0 1\n")
+    recording = drive(tmp_path / "d.bag", lambda *_: None, frame="map", registered=True)
+    recording.take_poses(tmp_path / "poses.txt")
+    assert next(beams(recording))["range_m"].size
+    assert "are in map, by its name a frame that does not move" in recording.notes()[0]
+
+
 @pytest.mark.parametrize(("send", "poses", "note"), [
     (topic(POSE, "map", ""), BASE, "are taken for those of base_link"),
     (topic(ODOMETRY, "odom", ""), BASE, "are taken for those of base_link"),

@@ -77,8 +77,17 @@ def test_feet_become_metres(tmp_path: pathlib.Path, records: list[Any], flat_m: 
         np.testing.assert_allclose(back["origin"], np.tile(PLACE, (200, 1)), atol=1e-5)
         assert abs(float(back["range_m"][100]) - 20) < 0.1
     notes = still.notes()  # type: ignore[attr-defined]
-    assert [f"in {said}," in note for note in notes] == [True] * bool(said)
+    assert [f"in {said}:" in note for note in notes] == [True] * bool(said)
     assert (f" {said}" if said else " m") in still.found()[1]
+
+
+def test_a_unit_that_a_user_names(tmp_path: pathlib.Path) -> None:
+    written(tmp_path / "a.las", walls() / FOOT, [])
+    recording = open_recording(tmp_path / "a.las", unit="ft")
+    np.testing.assert_allclose(end_points(next(beams(recording, position=tuple(PLACE / FOOT)))), walls(), atol=1e-3)
+    (tmp_path / "a.xyz").write_text("1.0 2.0 3.0 45.6 4.5 1 1 7 12 2 100.0001\n")
+    with pytest.raises(ValueError, match="--unit is for LAS and LAZ files"):
+        open_recording(tmp_path / "a.xyz", unit="ft")
 
 
 def test_units_of_systems() -> None:

@@ -22,11 +22,12 @@ from .point_times import PointTimes
 from .ros_files import is_cut_mcap, kind_of_bag, opened, recover_mcap
 from .ros_messages import CLOUD, CUSTOM, cloud_points, frame_name, livox_points, seconds, typestore
 from .scans import NO_POSES, Poses, Scan, middles
-from .trajectory import read_poses
+from .trajectory import pose_at, read_poses
 from .transforms import FIXED, POSE_TYPES, FrameTree, LidarPoses
 
 _JUMP_S = 10.0
 _MOST_BREAKS = 1000
+_ELSEWHERE_M, _CONE_RAD = 3.0, 0.01  # From the origin; standard deviation of the elevations of a ring.
 _PEEKED = 10  # Messages of each topic that are looked at first.
 _LONGEST_IMU = 256  # Bytes; a lidar's packet is longer.
 _UNTIMED = "the points have no times (their fields are {}): each {} at its cloud's stamp{}"
@@ -349,6 +350,23 @@ class BagRecording:
         return (f", but packets of a kind that is not decoded, in {', '.join(others)}: have the driver write its point "
                 "clouds" if others else "")
 
+    def _are_of_sensor(self, poses: Poses) -> bool:
+        """Whether the rings of a cloud are cones about the origin although the sensor is elsewhere."""
+        kept, self.skipped, told = self.skipped, collections.Counter(), False
+        for points, stamp, shift in self._clouds():
+            place, _, inside = pose_at(poses, np.array([stamp + shift]))
+            if not inside[0] or np.linalg.norm(place) < _ELSEWHERE_M:
+                continue
+            with contextlib.suppress(FormatError), guarded(self.path, "message"):
+                scan, _ = self._scan(points, stamp, 0)
+                if scan.xyz is not None and scan.ring is not None:
+                    elevation = np.arctan2(scan.xyz[:, 2], np.hypot(scan.xyz[:, 0], scan.xyz[:, 1]))
+                    rings = [elevation[scan.ring == ring] for ring in np.unique(scan.ring)]
+                    told = len(rings) > 1 and float(np.median([np.nanstd(ring) for ring in rings])) < _CONE_RAD
+            break
+        self.skipped, self.bytes_done = kept, 0
+        return told
+
     def _points(self, kind: str, raw: bytes) -> tuple[npt.NDArray[np.void], float, str]:
         """The points of a message, its stamp (s) and its frame."""
         if kind != CLOUD:
@@ -375,8 +393,9 @@ class BagRecording:
             if topics and not pathlib.Path(asked).exists():
                 raise ValueError(f"{self.path}: no topic and no file '{asked}' with poses: {', '.join(sorted(topics))}")
             poses = read_poses(asked, self.pose_times if self.topic is not None else None)
+            unclear = lidar in FIXED and not self._are_of_sensor(poses)
             return LidarPoses(poses, asked, f"the point clouds are in {lidar}, by its name a frame that does not move, but "
-                              f"the poses of {asked} are applied to them" if lidar in FIXED else "")
+                              f"the poses of {asked} are applied to them" if unclear else "")
         if self.topic is None or not topics:
             return LidarPoses(None)
         tree = FrameTree()
@@ -390,6 +409,10 @@ class BagRecording:
                     except FormatError:
                         self.skipped["poses that cannot be read"] += 1
         found = tree.poses_of(lidar, asked)
+        if found.world and found.poses is not None and self._are_of_sensor(found.poses):
+            found.world, found.note = False, (
+                f"the point clouds are in {lidar}, by its name the frame of the poses ({found.text}), but their rings are "
+                "cones about the origin: they are taken for those of the sensor")
         if tree.bad:
             self.skipped["poses that are no rotations or not finite"] += tree.bad
         return found

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from ..errors import FormatError
 from ._files import Array, PathLike, guarded, need, with_thousands
 from .laz_check import LasFacts, check_las
-from .las_units import Units, units_of_keys, units_of_wkt
+from .las_units import UNITS, Units, units_of_keys, units_of_wkt
 from .layouts import ranks, take_rows
 from .scans import Scan, Survey
 
@@ -41,7 +41,7 @@ class LasRecording(Survey):
     HELIOS++'s amplitude, where it is there, is the intensity, and its echo width (ns) becomes `pulse_width` (m).
     """
 
-    def __init__(self, path: PathLike, *, chunk: int | None = None) -> None:
+    def __init__(self, path: PathLike, *, chunk: int | None = None, unit: str = "") -> None:
         self.path = pathlib.Path(path)
         self.skipped: collections.Counter[str] = collections.Counter()
         self.bytes_total, self.bytes_done = self.path.stat().st_size, 0
@@ -54,7 +54,7 @@ class LasRecording(Survey):
                 header = self._laspy.LasHeader.read_from(file)
                 self._chunk = chunk or max(1, _CHUNK_BYTES // header.point_format.size)
                 self.crs = _crs(header, self._facts)
-                self._units = _units(header, self.crs)
+                self._units = Units(UNITS[unit], UNITS[unit]) if unit else _units(header, self.crs)
                 self.unit_m = (self._units.flat_m, self._units.flat_m, self._units.up_m)
                 # The labels that the package writes are no classes of LAS.
                 self._has_noise = not str(header.generating_software).startswith("Underbrush")

@@ -6,6 +6,7 @@ import re
 from typing import Any
 
 _FOOT, _US_FOOT = 0.3048, 1200 / 3937  # m
+UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "ft": _FOOT}  #: Units that a user may name, in m.
 _KEYS = {9001: 1.0, 9002: _FOOT, 9003: _US_FOOT, 9036: 1000.0}  # EPSG's codes of units, in m.
 _PROJECTED = ("PROJCS", "PROJCRS", "PROJECTEDCRS", "LOCAL_CS", "ENGCRS", "ENGINEERINGCRS", "GEOCCS")
 _GEOGRAPHIC = ("GEOGCS", "GEOGCRS", "GEOGRAPHICCRS", "GEODCRS", "GEODETICCRS")
@@ -36,8 +37,8 @@ class Units:
         """What was done with coordinates in other units than m; empty where nothing was."""
         if self.flat_m == self.up_m == 1:
             return ""
-        return (f"the file's coordinates are in {self.names()}, as its CRS says: they, and the places of the sensor, are "
-                f"multiplied by {self.flat_m:.10g}" + (f" (z: {self.up_m:.10g})" if self.up_m != self.flat_m else ""))
+        return (f"the file's coordinates are in {self.names()}: they, and the places of the sensor, are multiplied by "
+                f"{self.flat_m:.10g}" + (f" (z: {self.up_m:.10g})" if self.up_m != self.flat_m else ""))
 
 
 def _name(unit_m: float) -> str:
