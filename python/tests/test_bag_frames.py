@@ -148,10 +148,13 @@ def test_a_tree_with_the_world_below_the_lidar(tmp_path: pathlib.Path) -> None:
 
 
 def test_a_mounting_that_is_not_known_is_said(tmp_path: pathlib.Path) -> None:
-    recording = drive(tmp_path / "d.bag", topic(ODOMETRY, "odom", "base_footprint"), BASE, arm=True)
-    assert next(beams(recording))["range_m"].size
+    recording = drive(tmp_path / "a.bag", topic(ODOMETRY, "odom", "gps"), arm=True)
+    assert error_m(recording) < 1e-5
     note, = recording.notes()
-    assert "no transforms lead from base_footprint" in note and "to velodyne" in note
+    assert "no transforms lead from gps" in note and "gps and velodyne are taken for the same" in note
+    recording = drive(tmp_path / "b.bag", topic(ODOMETRY, "odom", "base_footprint"), BASE, arm=True)
+    assert error_m(recording) < 1e-5
+    assert "base_footprint and base_link are taken for the same" in recording.notes()[0]
 
 
 def test_poses_that_are_missing_are_asked_for_with_their_frames(tmp_path: pathlib.Path) -> None:

@@ -7,12 +7,15 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from ..errors import FormatError
 from ._files import Array, PathLike, guarded, need, with_thousands
 from .scans import Poses, Scan, far_from_sensor
 from .trajectory import in_order
 
+_NEAR_POSE = 0.1  # Of the distance of points from the origin: nearer to the pose, they are in its world.
+_FARTHEST_M, _ENOUGH = 30e3, 20  # No scanner measures as far; points.
 _CHUNK = 1 << 18  # Points a scan.
 _TYPES = {"cartesianX": "d", "cartesianY": "d", "cartesianZ": "d", "sphericalRange": "d", "sphericalAzimuth": "d",
           "sphericalElevation": "d", "cartesianInvalidState": "b", "sphericalInvalidState": "b", "intensity": "f",
@@ -23,7 +26,7 @@ _EXTRA = {"timeStamp": "time_stamp", "rowIndex": "row", "columnIndex": "column",
 _BASE = (("cartesianX", "cartesianY", "cartesianZ"), ("sphericalRange", "sphericalAzimuth", "sphericalElevation"))
 
 
-def _points(scan: Scan) -> Array:
+def _points(scan: Scan) -> npt.NDArray[np.float64]:
     """The hits of a scan, (n, 3), m."""
     if scan.xyz is not None:
         return scan.xyz[np.isfinite(scan.xyz[:, 0])]
@@ -114,16 +117,24 @@ class E57Recording:
             return
         scan = self._scan(next(self._pieces(file, station, count, names)), 0, station)
         self.skipped.clear()
-        points = _points(scan)
-        if not far_from_sensor(points):
-            return
-        self.world = True
-        if not self._posed:
+        self.world = self._are_of_world(_points(scan), station)
+        if self.world and not self._posed:
             self.poses = None
-        elif self.poses is not None and far_from_sensor(points - self.poses.position[station]):
-            raise FormatError(self.path, f"station {station}", "its points lie far from the scanner and close together, as "
-                              "those of the world do, and its pose lies far from them: remove the pose, or move the points "
-                              "to the scanner's frame")
+
+    def _are_of_world(self, points: npt.NDArray[np.float64], station: int) -> bool:
+        """Whether points are far away but close together, and their station has no pose, or one near them. Raises
+        `FormatError` where they are too far away for any scanner."""
+        if not far_from_sensor(points):
+            return False
+        if not self._posed or self.poses is None:
+            return True
+        nearest, from_pose = (float(np.linalg.norm(points - place, axis=1).min())
+                              for place in (np.zeros(3), self.poses.position[station]))
+        if from_pose >= _NEAR_POSE * nearest and nearest > _FARTHEST_M:
+            raise FormatError(self.path, f"station {station}", f"its points lie {nearest / 1e3:.0f} km from the scanner, as "
+                              "those of the world do, but not near its pose either: remove the pose, or move the points to "
+                              "the scanner's frame")
+        return from_pose < _NEAR_POSE * nearest
 
     def notes(self) -> list[str]:
         """What was assumed, one line each."""
@@ -152,9 +163,10 @@ class E57Recording:
                 first = True
                 for columns in self._pieces(file, station, count, names):
                     scan = self._scan(columns, number, station)
-                    if first and not self.world and self._posed and far_from_sensor(_points(scan)):
-                        raise FormatError(self.path, f"station {station}", "its points have the coordinates of the world, "
-                                          "but those of other stations have their scanner's: read it with --topic "
+                    points = _points(scan) if first and self._posed else np.empty((0, 3))
+                    if len(points) >= _ENOUGH and self._are_of_world(points, station) != self.world:
+                        raise FormatError(self.path, f"station {station}", "of the points of some stations, the coordinates "
+                                          "are those of the world, and of others their scanner's: read one with --topic "
                                           f"{station}")
                     first = False
                     done += len(columns[next(iter(columns))])

@@ -250,8 +250,10 @@ def _order(raw: Any) -> tuple[npt.NDArray[np.int64] | None, npt.NDArray[np.bool_
     same = time[1:] == time[:-1]
     if np.all(time[1:] >= time[:-1]) and not np.any(same & (np.diff(number) < 0)):
         twice = np.append(False, same & (np.diff(number) == 0))
+        if not twice.any():
+            return None, None
         group = np.cumsum(np.append(True, ~same))
-        return None, np.isin(group, group[twice]) if twice.any() else None
+        return None, np.isin(group, group[twice])
     order = np.lexsort((number, time))
     same = np.append(False, np.diff(time[order]) == 0)
     group = np.cumsum(~same)

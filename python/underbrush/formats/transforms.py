@@ -19,7 +19,7 @@ POSE_TYPES = {"tf2_msgs/msg/TFMessage": "tf", "tf/msg/tfMessage": "tf", "nav_msg
 #: Names of frames that do not move.
 FIXED = ("map", "world", "odom", "earth", "local", "utm", "camera_init")
 _STILL = 1e-9  # Poses differ by less where they are repeated.
-_BODY = "base_link"  # REP 105 calls the frame of the vehicle so.
+_BODIES = ("base_link", "base_footprint", "body")  # Frames of a vehicle; the first is REP 105's.
 
 
 @dataclasses.dataclass
@@ -154,14 +154,15 @@ class FrameTree:
             return LidarPoses(None)
         chain, frames = self._climb(lidar), sorted({*self._edges, *(p for edge in self._edges.values() for p in edge)})
         edges = list(zip(chain, chain[1:]))
-        if lidar in FIXED or not edges:
+        if lidar in FIXED or not (edges or self._topics):
             below = [frame for frame in frames if lidar in self._climb(frame)[1:]]
             movers = [frame for frame in below if self._moves(frame, self._climb(frame)[1])]
             fixed = [frame for frame in movers if frame in FIXED]
             if fixed and lidar not in FIXED:
                 return LidarPoses(self._product(self._path(fixed[0], lidar)), f"/tf: {fixed[0]} -> {lidar} (inverse)")
-            bodies = [_BODY] if _BODY in movers else [frame for frame in movers if not any(
-                frame in self._climb(other)[1:] for other in movers)]
+            bodies = [name for name in _BODIES if name in movers][:1]
+            if not bodies and lidar in FIXED:
+                bodies = [frame for frame in movers if not any(frame in self._climb(other)[1:] for other in movers)]
             if len(bodies) == 1:
                 return LidarPoses(self._product(self._path(lidar, bodies[0])), f"/tf: {lidar} -> {bodies[0]}",
                                   _in_world(lidar, "/tf", bodies[0]), True)
@@ -183,19 +184,22 @@ class FrameTree:
             return LidarPoses(self._product([*above, (samples, False)]), f"{topic}: {parent} -> {child or 'sensor'}",
                               _in_world(lidar, topic, child), True)
         body, note = child, ""
+        # The frames to which the lidar is fixed, from itself up.
+        ups = [name for name in self._climb(lidar) if name not in FIXED
+               and self._path(name, lidar, rigid=True) is not None]
         if not child:
-            ups = [name for name in self._climb(lidar) if name not in FIXED
-                   and self._path(name, lidar, rigid=True) is not None]
-            body = _BODY if _BODY in ups else ups[-1] if ups else lidar
+            body = _BODIES[0] if _BODIES[0] in ups else ups[-1] if ups else lidar
             note = f"the poses of {topic} name no frame: they are taken for those of {body or 'the sensor'}"
         lower = self._path(body, lidar, rigid=True)
         if lower is None and body in self._climb(lidar):
             lower = self._path(body, lidar)
         text = f"{topic}: {parent} -> {body}" + (f" -> {lidar}" if body != lidar else "")
         if lower is None:
+            same = next((name for name in _BODIES if name in ups and child in _BODIES), lidar)
             note = (f"no transforms lead from {body}, whose poses {topic} has, to {lidar or 'no name'}, the frame of the "
-                    "point clouds: both are taken for the same frame")
-            text, lower = f"{topic}: {parent} -> {body} (no transform from {body} to {lidar}: taken for the same)", []
+                    f"point clouds: {body} and {same or 'no name'} are taken for the same frame")
+            text = f"{topic}: {parent} -> {body} (no transform from {body} to {lidar}: {same} taken for the same)"
+            lower = self._path(same, lidar, rigid=True) or []
         return LidarPoses(self._product([(samples, False), *lower]), text, note)
 
     def _product(self, path: list[_Step] | None) -> Poses | None:
