@@ -62,6 +62,7 @@ def keys(**values: int) -> list[Any]:
 @pytest.mark.parametrize(("records", "flat_m", "up_m", "said"), [
     (wkt(US_FEET), US_FOOT, US_FOOT, "US survey feet"), (wkt(WKT2), FOOT, FOOT, "international feet"),
     (wkt(f'COMPD_CS["both",{US_FEET},{HEIGHT}]'), US_FOOT, 1, "US survey feet, z in m"),
+    (wkt(f'{US_FEET},{HEIGHT.replace("VERT_CS", "VERTCS")}'), US_FOOT, 1, "US survey feet, z in m"),
     (keys(k1024=1, k3072=2264, k3076=9003), US_FOOT, US_FOOT, "US survey feet"),
     (keys(k1024=1, k3072=32633, k3076=9001, k4099=9002), 1, FOOT, "m, z in international feet"),
     (keys(k1024=1, k3072=2222), FOOT, FOOT, "international feet"), (keys(k1024=1, k3072=32633), 1, 1, ""), ([], 1, 1, "")])

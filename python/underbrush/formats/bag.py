@@ -45,7 +45,7 @@ class _Topic:
     points: int = 0
     fields: tuple[str, ...] = ()
     frames: tuple[str, ...] = ()
-    period_s: float = 0.0  #: Median step of the stamps of one frame, s; 0 = not known.
+    period_s: float = 0.0  #: Median step of the first stamps of one frame, s; 0 = not known.
 
 
 class BagRecording:
@@ -313,9 +313,9 @@ class BagRecording:
 
     def _peek(self, reader: Any, topic: str) -> _Topic:
         """What the first messages of a topic tell."""
-        first, stamps = _Topic(), list[float]()
+        first, stamps = _Topic(), list[tuple[float, float]]()
         self._times = _times_of(self.path, next(kind for t, kind, _ in self._connections if t == topic), 0.0)
-        for kind, _, raw in itertools.islice(self._messages(reader, topic), _PEEKED):
+        for kind, bag_ns, raw in itertools.islice(self._messages(reader, topic), _PEEKED):
             with contextlib.suppress(FormatError), guarded(self.path, topic):
                 points, stamp, frame = self._points(kind, raw)
                 if not first.frames:
@@ -323,10 +323,10 @@ class BagRecording:
                     first.fields, first.points = points.dtype.names or (), points.size
                     first.sensor, first.organised = guess_sensor(first.layout, scan), scan.shape is not None
                 if frame == (first.frames or (frame,))[0]:
-                    stamps.append(stamp)
+                    stamps.append((stamp, bag_ns * 1e-9))
                 first.frames = tuple(sorted({*first.frames, frame}))
-        steps = np.diff(stamps)
-        first.period_s = max(0.0, float(np.median(steps))) if len(steps) else 0.0
+        if len(stamps) > 1:  # The times of recording help where the stamps do not rise.
+            first.period_s = next((float(step) for step in np.median(np.diff(stamps, axis=0), axis=0) if step > 0), 0.0)
         return first
 
     def _peek_packets(self, reader: Any, topic: str) -> _Topic:

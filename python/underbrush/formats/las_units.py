@@ -10,7 +10,7 @@ UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "ft": _FOOT}  #: Units that a user m
 _KEYS = {9001: 1.0, 9002: _FOOT, 9003: _US_FOOT, 9036: 1000.0}  # EPSG's codes of units, in m.
 _PROJECTED = ("PROJCS", "PROJCRS", "PROJECTEDCRS", "LOCAL_CS", "ENGCRS", "ENGINEERINGCRS", "GEOCCS")
 _GEOGRAPHIC = ("GEOGCS", "GEOGCRS", "GEOGRAPHICCRS", "GEODCRS", "GEODETICCRS")
-_VERTICAL = ("VERT_CS", "VERTCRS", "VERTICALCRS")
+_VERTICAL = ("VERT_CS", "VERTCS", "VERTCRS", "VERTICALCRS")
 #: State Plane systems of NAD83 and of NAD83(HARN), all in feet: these in the international one, the others in the US's.
 _STATE_PLANE = (range(2222, 2290), range(2867, 2931))
 _INTERNATIONAL = {2222, 2223, 2224, 2251, 2252, 2253, 2256, 2265, 2266, 2269, 2270, 2273, 2280, 2281, 2282,
