@@ -147,7 +147,8 @@ def two_returns(path: pathlib.Path, digits: int, order: npt.NDArray[np.intp]) ->
 @pytest.mark.parametrize("digits", [3, 2, 0])
 def test_rounded_times_tell_no_pulses_unless_the_order_does(tmp_path: pathlib.Path, digits: int) -> None:
     mixed = np.random.default_rng(5).permutation(400)
-    for name, order in (("mixed", mixed), ("by return", np.argsort(np.tile([1, 2], 200), kind="stable"))):
+    for name, order in (("mixed", mixed), ("by return", np.argsort(np.tile([1, 2], 200), kind="stable")),
+                        ("last first", np.arange(400) ^ 1)):
         recording = open_recording(two_returns(tmp_path / f"{name}.las", digits, order))
         scan, = recording.scans()
         assert scan.echoes is not None and set(scan.echoes) == {1} and list(recording.skipped.values()) == [400], name

@@ -268,14 +268,20 @@ def _order(raw: Any) -> tuple[npt.NDArray[np.int64] | None, npt.NDArray[np.bool_
 
 def _are_told(raw: Any, begins: npt.NDArray[np.bool_], shared: npt.NDArray[np.bool_]) -> bool:
     """Whether the order of the rows tells the pulses that share a time: nearly all of those with several returns are
-    whole."""
+    whole, and not more of them are if the last return comes first."""
     number, count = _returns(raw)
     several = shared & (count > 1)
     if not several.any():
         return True
-    beam = np.cumsum(begins) - 1
-    whole = (np.bincount(beam)[beam] == count) & (number[begins][beam] == 1)
-    return bool(np.count_nonzero(whole & several) >= _TOLD * np.count_nonzero(several))
+    falling = np.append(True, (number[1:] >= number[:-1]) | (count[1:] != count[:-1]))
+    if "gps_time" in raw.dtype.names:
+        falling[1:] |= raw["gps_time"][1:] != raw["gps_time"][:-1]
+
+    def whole(starts: npt.NDArray[np.bool_], first: npt.NDArray[np.uint8]) -> int:
+        beam = np.cumsum(starts) - 1
+        return int(np.count_nonzero(several & (np.bincount(beam)[beam] == count) & (number == first)[starts][beam]))
+
+    return whole(begins, np.ones_like(number)) >= max(whole(falling, count), _TOLD * np.count_nonzero(several))
 
 
 def _beams(raw: Any, timed: bool) -> npt.NDArray[np.bool_]:
