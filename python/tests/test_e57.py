@@ -91,3 +91,58 @@ def test_a_row_of_poses_for_each_station(tmp_path: pathlib.Path) -> None:
     back = list(beams(open_recording(tmp_path / "stations.e57", poses=tmp_path / "poses.txt")))
     np.testing.assert_allclose([piece["origin"][0] for piece in back], [[7, 8, 9], [70, 8, 9]])
     assert len(back) == len(clouds)
+
+
+def station(file: Any, points: npt.NDArray[Any], place: npt.NDArray[Any], half: float = 0.0) -> None:
+    file.write_scan_raw({f"cartesian{axis}": points[:, n] for n, axis in enumerate("XYZ")}, translation=place,
+                        rotation=np.array([np.cos(half), 0, 0, np.sin(half)]))
+
+
+def test_points_of_the_world_with_a_pose_are_not_moved_again(tmp_path: pathlib.Path) -> None:
+    place = np.array([532100.0, 5412300.0, 311.8])
+    world = place + np.random.default_rng(4).normal(size=(500, 3)) * 20
+    file = pye57.E57(str(tmp_path / "a.e57"), mode="w")
+    station(file, world, place, 0.4)
+    file.close()
+    recording = open_recording(tmp_path / "a.e57")
+    back = next(beams(recording))
+    np.testing.assert_allclose(end_points(back), world, atol=1e-4)
+    assert np.all(back["origin"] == place)
+    note, = recording.notes()  # type: ignore[attr-defined]
+    assert "the coordinates of the world already" in note
+
+
+def test_points_that_no_station_can_see_are_refused(tmp_path: pathlib.Path) -> None:
+    place = np.array([532100.0, 5412300.0, 311.8])
+    near = np.random.default_rng(4).normal(size=(500, 3)) * 20
+    for name, parts, why in (("far", [(near + place, [1, 2, 3])], "5438 km from the scanner"),
+                             ("mixed", [(near, place), (near + place, place)], "read one with --topic 1")):
+        file = pye57.E57(str(tmp_path / name), mode="w")
+        for points, pose in parts:
+            station(file, points, np.array(pose, float))
+        file.close()
+        with pytest.raises(FormatError, match=f"{name}: station {len(parts) - 1}: .*{why}"):
+            list(beams(open_recording(tmp_path / name)))
+    for topic in "01":
+        back, = beams(open_recording(tmp_path / "mixed", topic=topic))
+        np.testing.assert_allclose(end_points(back), near + place, atol=1e-4)
+
+
+def test_a_cliff_far_away_is_no_world(tmp_path: pathlib.Path) -> None:
+    place = np.array([532100.0, 5412300.0, 311.8])
+    cliff = np.random.default_rng(4).normal(size=(500, 3)) * 20 + [0, 1500, 100]
+    file = pye57.E57(str(tmp_path / "a.e57"), mode="w")
+    station(file, cliff, place)
+    file.close()
+    recording = open_recording(tmp_path / "a.e57")
+    np.testing.assert_allclose(end_points(next(beams(recording))), cliff + place, atol=1e-3)
+    assert not recording.notes()  # type: ignore[attr-defined]
+
+
+def test_stations_without_poses_are_said_to_stand_at_the_origin(tmp_path: pathlib.Path) -> None:
+    file = pye57.E57(str(tmp_path / "a.e57"), mode="w")
+    station(file, np.random.default_rng(4).normal(size=(500, 3)) * 20, np.zeros(3))
+    file.close()
+    recording = open_recording(tmp_path / "a.e57")
+    assert np.all(next(beams(recording))["origin"] == 0)
+    assert "stand at the origin" in recording.notes()[0]  # type: ignore[attr-defined]

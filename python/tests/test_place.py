@@ -190,6 +190,34 @@ def test_files_of_poses(tmp_path: pathlib.Path) -> None:
             read_poses(path)
 
 
+@pytest.mark.parametrize(("text", "turns"), [
+    ("# x y z time\n1 2 3 10\n4 5 6 11\n", False), ("Easting;Northing;Height;GPSTime\n1,2,3,10\n4,5,6,11\n", False),
+    ("time,x,y,z,roll,pitch,yaw\n10,1,2,3,0,0,0\n11,4,5,6,0,0,90\n", True),
+    ("t r p y x y z\n10 0 0 0 1 2 3\n11 0 0 90 4 5 6\n", True),
+    ("# time, x, y, z, roll [rad], pitch [rad], yaw [rad]\n10,1,2,3,0,0,0\n11,4,5,6,0,0,1.5707963267948966\n", True),
+    ("#sec,nsec,x,y,z,qw,qx,qy,qz\n9,1000000000,1,2,3,1,0,0,0\n10,1e9,4,5,6,0.70710678,0,0,0.70710678\n", True),
+    ("10 0 0 359 1000 2 3\n11 0 0 90 1003 5 6\n", True), ("1 2 3 10 0 0 0\n4 5 6 11 0 0 90\n", True)])
+def test_named_columns_of_poses(tmp_path: pathlib.Path, text: str, turns: bool) -> None:
+    path, s = tmp_path / "poses.txt", np.sqrt(0.5)
+    path.write_text(text)
+    poses = read_poses(path)
+    far = 999.0 if "1000" in text and "1000000" not in text else 0.0
+    assert poses.time_s.tolist() == [10, 11]
+    np.testing.assert_allclose(poses.position, [[1 + far, 2, 3], [4 + far, 5, 6]])
+    if turns:
+        np.testing.assert_allclose(np.abs(poses.rotation[1]), [0, 0, s, s], atol=1e-8)
+
+
+def test_named_columns_without_a_rotation(tmp_path: pathlib.Path) -> None:
+    path = tmp_path / "poses.txt"
+    for text, why in (("GPSTime,Easting,Northing,Height,Roll,Pitch,Heading\n10,1,2,3,0,0,45\n11,4,5,6,0,0,45\n",
+                       "angles of an aircraft"), ("time,x,y,z,speed\n10,1,2,3,9\n11,4,5,6,9\n", "names no rotation")):
+        path.write_text(text)
+        assert read_poses(path, places_only=True).position.tolist() == [[1, 2, 3], [4, 5, 6]]
+        with pytest.raises(FormatError, match=why):
+            read_poses(path)
+
+
 def test_beams_are_in_order_of_time_and_those_of_equal_time_in_their_own() -> None:
     """For few times, for many, and for times that are no numbers, whatever their bits."""
     draw = np.random.default_rng(7)

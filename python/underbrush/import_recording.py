@@ -44,7 +44,8 @@ def opened(options: argparse.Namespace) -> Recording:
     """Opens the recording with the reader of its format."""
     from underbrush.formats import open_recording
     return open_recording(options.file, topic=options.topic or None, poses=options.poses, metadata=options.metadata,
-                          sensor=options.sensor or None, frame=options.frame or None, clock=options.clock)
+                          sensor=options.sensor or None, frame=options.frame or None, clock=options.clock,
+                          unit=options.unit)
 
 
 def write(options: argparse.Namespace, recording: Recording, provenance: str) -> dict[str, object]:

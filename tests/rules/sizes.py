@@ -9,7 +9,7 @@ LIMITS = {".hpp": 200, ".inl": 400, ".cpp": 400, ".py": 400, ".ts": 400}
 # The most lines of C++, Python and TypeScript of each room: what it had when it was last tidied, and a twentieth more.
 ROOMS = {
     "apps": 5950, "apps/fmu": 1800, "apps/underbrush": 4400, "bench": 3500, "cli": 1700, "python/src": 3600, "python/underbrush":
-    9900, "report": 2900, "studies": 9550, "web/src": 7750, "src/underbrush/actors": 1480,
+    10150, "report": 2900, "studies": 9550, "web/src": 7750, "src/underbrush/actors": 1480,
     "src/underbrush/calibrate": 2460,
     "src/underbrush/cluster": 1710, "src/underbrush/compact": 1900, "src/underbrush/core": 2600, "src/underbrush/credit": 1100,
     "src/underbrush/elements": 2600, "src/underbrush/fit": 2360, "src/underbrush/ground": 2000, "src/underbrush/io":

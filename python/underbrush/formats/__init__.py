@@ -11,7 +11,7 @@ from typing import Any
 from ..errors import FormatError
 from ._files import OptionMissing, PathLike
 from .log import beams_of_recording, export_log
-from .place import beams, place
+from .place import beams, place, read_poses_of
 from .scans import Poses, Recording, Scan
 from .trajectory import read_poses
 
@@ -48,23 +48,25 @@ def kind_of(path: PathLike) -> str:
 
 def open_recording(path: PathLike, *, topic: str | None = None, poses: PathLike | None = None,
                    metadata: PathLike | None = None, sensor: str | None = None, frame: str | None = None,
-                   clock: str = "stamp") -> Recording:
+                   clock: str = "stamp", unit: str = "") -> Recording:
     """Opens a recording, of the kind that its content tells.
 
     `topic`, `frame` and `clock` say what to read of a ROS recording (see `BagRecording`); for packet captures `topic`
-    is the stream, for E57 the station. `metadata` and `sensor` say how to decode packets. `poses` is a file of poses (see `read_poses`) or a
-    topic. Raises `FormatError` where the file cannot be read, `OptionMissing` where an option is needed, `ImportError`
+    is the stream, for E57 the station. `metadata` and `sensor` say how to decode packets. `poses` is a file of poses (see
+    `read_poses`) or a topic. `unit` (m, cm, mm, ft) is that of a LAS file's coordinates, by default its CRS's. Raises `FormatError` where the file cannot be read, `OptionMissing` where an option is needed, `ImportError`
     where a library is, and `OSError`.
     """
     kind = kind_of(path)
     recording: Any
+    if unit and kind != "las":
+        raise ValueError(f"{path}: --unit is for LAS and LAZ files")
     if kind == "bag":
         from .bag import BagRecording
         return BagRecording(path, topic=topic or None, frame=frame or None, poses=poses or None, clock=clock,
                             metadata=metadata or None, sensor=sensor or None)
     if kind == "las":
         from .las import LasRecording
-        recording = LasRecording(path)
+        recording = LasRecording(path, unit=unit)
     elif kind == "e57":
         from .e57 import E57Recording
         recording = E57Recording(path, topic or None)
@@ -78,6 +80,6 @@ def open_recording(path: PathLike, *, topic: str | None = None, poses: PathLike 
         from .packets import PacketRecording  # type: ignore[import-not-found, unused-ignore]
         recording = PacketRecording(path, metadata=metadata or None, sensor=sensor or None, stream=topic or None)
     if poses:
-        recording.poses = read_poses(poses, getattr(recording, "pose_times", None))
+        recording.poses = read_poses_of(recording, poses)
     result: Recording = recording
     return result

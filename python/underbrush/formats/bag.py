@@ -21,14 +21,16 @@ from .layouts import guess_sensor, scan_from_points
 from .point_times import PointTimes
 from .ros_files import is_cut_mcap, kind_of_bag, opened, recover_mcap
 from .ros_messages import CLOUD, CUSTOM, cloud_points, frame_name, livox_points, seconds, typestore
-from .scans import Poses, Scan, middles
-from .trajectory import read_poses
-from .transforms import POSE_TYPES, FrameTree
+from .scans import NO_POSES, Poses, Scan, middles
+from .trajectory import pose_at, read_poses
+from .transforms import FIXED, POSE_TYPES, FrameTree, LidarPoses
 
 _JUMP_S = 10.0
 _MOST_BREAKS = 1000
+_ELSEWHERE_M, _CONE_RAD = 3.0, 0.01  # From the origin; standard deviation of the elevations of a ring.
 _PEEKED = 10  # Messages of each topic that are looked at first.
 _LONGEST_IMU = 256  # Bytes; a lidar's packet is longer.
+_UNTIMED = "the points have no times (their fields are {}): each {} at its cloud's stamp{}"
 _UNREADABLE = "messages that cannot be read"
 _CLOCK = "scans whose clock jumps (--clock bag takes the times of the recording)"
 
@@ -43,6 +45,7 @@ class _Topic:
     points: int = 0
     fields: tuple[str, ...] = ()
     frames: tuple[str, ...] = ()
+    period_s: float = 0.0  #: Median step of the first stamps of one frame, s; 0 = not known.
 
 
 class BagRecording:
@@ -54,10 +57,8 @@ class BagRecording:
     and `sensor` say how packets are decoded (see `PacketRecording`).
     """
 
-    organised = False
     numbered = True  #: Whether its scans are revolutions or frames, and no pieces of a survey.
     crs = ""
-    world = False
 
     def __init__(self, path: PathLike, *, topic: str | None = None, frame: str | None = None,
                  poses: PathLike | None = None, clock: str = "stamp", metadata: PathLike | None = None,
@@ -65,11 +66,11 @@ class BagRecording:
         self.path, self.frame, self.clock = pathlib.Path(path), frame, clock
         if clock not in ("stamp", "bag"):
             raise ValueError(f"no clock '{clock}': stamp or bag")
-        self._poses_from, self._poses = poses, list[Poses | None]()
+        self._poses_from, self._found = poses, list[LidarPoses]()
         self.skipped: collections.Counter[str] = collections.Counter()
-        self.sensor, self.bytes_total, self.bytes_done = "", size_of(path), 0
+        self.sensor, self.bytes_total, self.bytes_done, self._organised = "", size_of(path), 0, False
         self._kind = kind_of_bag(self.path)
-        self._ros1, self._own_clock = self._kind == "ros1", False
+        self._ros1, self._own_clock, self._untimed = self._kind == "ros1", False, False
         self._store = typestore(self._ros1)
         self._source, self._recovered = self.path, 0
         if self._kind == "mcap" and is_cut_mcap(self.path):
@@ -96,20 +97,22 @@ class BagRecording:
             raise ValueError(f"{path}: no point clouds in {topic}: {', '.join([*clouds, *packets])}")
         self.topic = topic if topic is not None else clouds[0] if len(clouds) == 1 else None
         if self.topic is not None:
-            self.sensor, self.organised = self._first[self.topic].sensor, self._first[self.topic].organised
+            self.sensor, self._organised = self._first[self.topic].sensor, self._first[self.topic].organised
             if self.topic in packets:
                 texts = [t for t, kind, n in self._connections if n and kind == STRING]
                 self._packets = BagPackets(path, self.topic, self._all_messages, self._ros1, texts, metadata, sensor,
                                            clock == "bag")
-                self.sensor, self.organised = self._packets.sensor, self._packets.organised
-            kind, count = next((kind, n) for t, kind, n in self._connections if t == self.topic)
-            self._times = _times_of(path, kind, self._duration_s / (count - 1) if count > 1 else 0.0)
+                self.sensor, self._organised = self._packets.sensor, self._packets.organised
+            kind = next(kind for t, kind, _ in self._connections if t == self.topic)
+            self._times = _times_of(path, kind, self._first[self.topic].period_s)
 
     def found(self) -> list[str]:
         names = {"ros1": "ROS 1 bag", "mcap": "ROS 2 MCAP file", "sqlite3": "ROS 2 SQLite file", "folder": "ROS 2 bag"}
         lines = [f"{names[self._kind]}, {self._duration_s:.1f} s{self._start}, {self.bytes_total / 1e6:.1f} MB"]
         for topic, kind, count in self._connections:
             rate = f"{(count - 1) / self._duration_s:.1f} Hz" if count > 1 and self._duration_s > 0 else "once"
+            if topic in self._first and self._first[topic].period_s > 0:
+                rate = f"{1 / self._first[topic].period_s:.1f} Hz"
             text = f"{topic}: {kind}, {with_thousands(count)} messages, {rate}"
             if topic in self._first and self._first[topic].layout == "packets":
                 misses = " with their misses" if self._packets is None or self._packets.organised else ""
@@ -130,14 +133,21 @@ class BagRecording:
         if self.frame is None and len(self._first[self.topic].frames) > 1:
             return [*lines, self._ask_frame(self._first[self.topic].frames)]
         if self.poses is None:
-            return [*lines, self._ask_poses()]
+            return [*lines, self.ask_poses()]
         way = np.ptp(self.poses.position, axis=0)
-        return [*lines, f"poses from {self._poses_text}; {with_thousands(len(self.poses.time_s))} of them within "
+        lines += [self._lidar.note] if self._lidar.note else []
+        return [*lines, f"poses from {self._lidar.text}; {with_thousands(len(self.poses.time_s))} of them within "
                         f"{way[0]:.1f} x {way[1]:.1f} x {way[2]:.1f} m"]
 
     def notes(self) -> list[str]:
         """What was assumed so far, one line each."""
         notes = [self._times.note] if self._times.note else []
+        notes += [self._lidar.note] if self._lidar.note else []
+        poses = self.poses
+        if self._untimed and poses is not None and np.ptp(poses.position, axis=0).max(initial=0) > 0:
+            notes.append(_UNTIMED.format(" ".join(self._first[str(self.topic)].fields), *(
+                ("begins where the sensor was", "") if self.world else
+                ("is placed by the pose", ", without compensation of the motion within a scan"))))
         if self._recovered:
             notes.append(f"the recording was not closed: its {self._recovered} whole messages are read")
         return notes
@@ -155,17 +165,31 @@ class BagRecording:
     @property
     def poses(self) -> Poses | None:
         """World from the lidar's frame; None where the recording has none."""
-        if not self._poses:
-            self._poses = [self._read_poses()]
-        return self._poses[0]
+        return self._lidar.poses
 
     @poses.setter
     def poses(self, poses: Poses | None) -> None:
-        self._poses = [poses]
+        self._found = [LidarPoses(poses)]
+
+    @property
+    def world(self) -> bool:
+        """Whether the point clouds are in the frame of the poses."""
+        return self._lidar.world
+
+    @property
+    def organised(self) -> bool:
+        """Whether its scans keep misses: nothing tells their direction in the frame of the world."""
+        return self._organised and not self.world
+
+    @property
+    def _lidar(self) -> LidarPoses:
+        if not self._found:
+            self._found = [self._read_poses()]
+        return self._found[0]
 
     def take_poses(self, source: PathLike) -> None:
         """Takes the poses from a topic of the recording or from a file."""
-        self._poses_from, self._poses = source, []
+        self._poses_from, self._found = source, []
 
     def scans(self) -> Iterator[Scan]:
         number = 0
@@ -174,13 +198,16 @@ class BagRecording:
             self.skipped.update(self._packets.skipped)
             self.bytes_done = self.bytes_total
             return
+        reason = "no message of this topic can be read"
         for points, stamp, shift in self._clouds():
             try:
                 with guarded(self.path, "message"):
                     scan, _ = self._scan(points, stamp, number)
-            except FormatError:
+            except FormatError as error:
                 self.skipped[_UNREADABLE] += 1
+                reason = f"no message of this topic can be read: {str(error).rpartition(': message: ')[2]}"
                 continue
+            self._untimed = self._untimed or scan.beam_time_s is None
             if shift:
                 scan.time_s += shift
                 if scan.beam_time_s is not None:
@@ -188,7 +215,7 @@ class BagRecording:
             number += 1
             yield scan
         if not number:
-            raise FormatError(self.path, str(self.topic), "no message of this topic can be read")
+            raise FormatError(self.path, str(self.topic), reason)
         self.bytes_done = self.bytes_total
 
     def scan_times(self) -> list[float]:
@@ -247,11 +274,10 @@ class BagRecording:
         return f"{self.path}: several sensors publish in {self.topic}: add " + " or ".join(
             f"--frame {name}" for name in frames)
 
-    def _ask_poses(self) -> str:
-        if self._poses_text.startswith("several: "):
-            topics = self._poses_text.removeprefix("several: ").split(" or ")
-            return f"{self.path}: several topics with poses: add " + " or ".join(f"--poses {t}" for t in topics)
-        return f"{self.path}: no poses in it: add --poses FILE (t x y z qx qy qz qw, world from sensor)"
+    def ask_poses(self) -> str:
+        """The line that asks for poses where there are none."""
+        ask = self._lidar.ask
+        return f"{self.path}: {ask if '--poses' in ask else NO_POSES.replace('no poses in it', ask or 'no poses in it')}"
 
     def _all_messages(self, topic: str, skipped: collections.Counter[str]) -> Iterator[tuple[str, int, bytes]]:
         """The topic's messages, of which it counts elsewhere what is left out, and how far the file is read."""
@@ -287,16 +313,20 @@ class BagRecording:
 
     def _peek(self, reader: Any, topic: str) -> _Topic:
         """What the first messages of a topic tell."""
-        first = _Topic()
+        first, stamps = _Topic(), list[tuple[float, float]]()
         self._times = _times_of(self.path, next(kind for t, kind, _ in self._connections if t == topic), 0.0)
-        for kind, _, raw in itertools.islice(self._messages(reader, topic), _PEEKED):
+        for kind, bag_ns, raw in itertools.islice(self._messages(reader, topic), _PEEKED):
             with contextlib.suppress(FormatError), guarded(self.path, topic):
                 points, stamp, frame = self._points(kind, raw)
                 if not first.frames:
                     scan, first.layout = self._scan(points, stamp, 0)
                     first.fields, first.points = points.dtype.names or (), points.size
                     first.sensor, first.organised = guess_sensor(first.layout, scan), scan.shape is not None
+                if frame == (first.frames or (frame,))[0]:
+                    stamps.append((stamp, bag_ns * 1e-9))
                 first.frames = tuple(sorted({*first.frames, frame}))
+        if len(stamps) > 1:  # The times of recording help where the stamps do not rise.
+            first.period_s = next((float(step) for step in np.median(np.diff(stamps, axis=0), axis=0) if step > 0), 0.0)
         return first
 
     def _peek_packets(self, reader: Any, topic: str) -> _Topic:
@@ -320,6 +350,23 @@ class BagRecording:
         return (f", but packets of a kind that is not decoded, in {', '.join(others)}: have the driver write its point "
                 "clouds" if others else "")
 
+    def _are_of_sensor(self, poses: Poses) -> bool:
+        """Whether the rings of a cloud are cones about the origin although the sensor is elsewhere."""
+        kept, self.skipped, told = self.skipped, collections.Counter(), False
+        for points, stamp, shift in self._clouds():
+            place, _, inside = pose_at(poses, np.array([stamp + shift]))
+            if not inside[0] or np.linalg.norm(place) < _ELSEWHERE_M:
+                continue
+            with contextlib.suppress(FormatError), guarded(self.path, "message"):
+                scan, _ = self._scan(points, stamp, 0)
+                if scan.xyz is not None and scan.ring is not None:
+                    elevation = np.arctan2(scan.xyz[:, 2], np.hypot(scan.xyz[:, 0], scan.xyz[:, 1]))
+                    rings = [elevation[scan.ring == ring] for ring in np.unique(scan.ring)]
+                    told = len(rings) > 1 and float(np.median([np.nanstd(ring) for ring in rings])) < _CONE_RAD
+            break
+        self.skipped, self.bytes_done = kept, 0
+        return told
+
     def _points(self, kind: str, raw: bytes) -> tuple[npt.NDArray[np.void], float, str]:
         """The points of a message, its stamp (s) and its frame."""
         if kind != CLOUD:
@@ -337,17 +384,20 @@ class BagRecording:
             self._own_clock = True
         return scan, layout
 
-    def _read_poses(self) -> Poses | None:
-        self._poses_text = "none"
+    def _read_poses(self) -> LidarPoses:
         topics = {topic: POSE_TYPES[kind] for topic, kind, n in self._connections if kind in POSE_TYPES and n}
         asked = None if self._poses_from is None else str(self._poses_from)
+        lidar = "" if self.topic is None else frame_name(self.frame) if self.frame is not None else next(
+            iter(self._first[self.topic].frames), "")
         if asked is not None and asked not in topics:
             if topics and not pathlib.Path(asked).exists():
                 raise ValueError(f"{self.path}: no topic and no file '{asked}' with poses: {', '.join(sorted(topics))}")
-            self._poses_text = asked
-            return read_poses(asked, self.pose_times if self.topic is not None else None)
+            poses = read_poses(asked, self.pose_times if self.topic is not None else None)
+            unclear = lidar in FIXED and not self._are_of_sensor(poses)
+            return LidarPoses(poses, asked, f"the point clouds are in {lidar}, by its name a frame that does not move, but "
+                              f"the poses of {asked} are applied to them" if unclear else "")
         if self.topic is None or not topics:
-            return None
+            return LidarPoses(None)
         tree = FrameTree()
         read = self._store.deserialize_ros1 if self._ros1 else self._store.deserialize_cdr
         with opened(self._source, self._kind) as reader:
@@ -358,13 +408,14 @@ class BagRecording:
                             tree.add(kind, topic, read(raw, msgtype))
                     except FormatError:
                         self.skipped["poses that cannot be read"] += 1
-        lidar = frame_name(self.frame) if self.frame is not None else next(iter(self._first[self.topic].frames), "")
-        poses, self._poses_text = tree.poses_of(lidar, asked)
+        found = tree.poses_of(lidar, asked)
+        if found.world and found.poses is not None and self._are_of_sensor(found.poses):
+            found.world, found.note = False, (
+                f"the point clouds are in {lidar}, by its name the frame of the poses ({found.text}), but their rings are "
+                "cones about the origin: they are taken for those of the sensor")
         if tree.bad:
             self.skipped["poses that are no rotations or not finite"] += tree.bad
-        return poses
-
-    _poses_text = "none"
+        return found
 
 
 def _date(time_ns: int) -> str:

@@ -7,12 +7,15 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from ..errors import FormatError
 from ._files import Array, PathLike, guarded, need, with_thousands
 from .scans import Poses, Scan, far_from_sensor
 from .trajectory import in_order
 
+_NEAR_POSE = 0.1  # Of the distance of points from the origin: nearer to the pose, they are in its world.
+_FARTHEST_M, _ENOUGH = 30e3, 20  # No scanner measures as far; points.
 _CHUNK = 1 << 18  # Points a scan.
 _TYPES = {"cartesianX": "d", "cartesianY": "d", "cartesianZ": "d", "sphericalRange": "d", "sphericalAzimuth": "d",
           "sphericalElevation": "d", "cartesianInvalidState": "b", "sphericalInvalidState": "b", "intensity": "f",
@@ -21,6 +24,15 @@ _TYPES = {"cartesianX": "d", "cartesianY": "d", "cartesianZ": "d", "sphericalRan
 _EXTRA = {"timeStamp": "time_stamp", "rowIndex": "row", "columnIndex": "column",
           "colorRed": "red", "colorGreen": "green", "colorBlue": "blue"}
 _BASE = (("cartesianX", "cartesianY", "cartesianZ"), ("sphericalRange", "sphericalAzimuth", "sphericalElevation"))
+
+
+def _points(scan: Scan) -> npt.NDArray[np.float64]:
+    """The hits of a scan, (n, 3), m."""
+    if scan.xyz is not None:
+        return scan.xyz[np.isfinite(scan.xyz[:, 0])]
+    assert scan.direction is not None and scan.range_m is not None
+    hit = np.isfinite(scan.range_m)
+    return np.asarray(scan.direction[hit] * scan.range_m[hit, None].astype(np.float64))
 
 
 class E57Recording:
@@ -97,16 +109,41 @@ class E57Recording:
         return np.arange(len(self._stations), dtype=np.float64)
 
     def _take_for_world(self, file: Any) -> None:
-        """Without a pose other than the identity, points far away but close together have coordinates of the world."""
-        count, names, _ = self._stations[self._chosen[0]]
-        if self._posed or not count:
+        """Points far away but close together have coordinates of the world. Of the pose, only the position then counts,
+        if it is not the origin."""
+        station = self._chosen[0]
+        count, names, _ = self._stations[station]
+        if not count:
             return
-        scan = self._scan(next(self._pieces(file, self._chosen[0], count, names)), 0, self._chosen[0])
+        scan = self._scan(next(self._pieces(file, station, count, names)), 0, station)
         self.skipped.clear()
-        assert scan.direction is not None and scan.range_m is not None
-        hit = np.isfinite(scan.range_m)
-        if far_from_sensor(scan.direction[hit] * scan.range_m[hit, None]):
-            self.world, self.poses = True, None
+        self.world = self._are_of_world(_points(scan), station)
+        if self.world and not self._posed:
+            self.poses = None
+
+    def _are_of_world(self, points: npt.NDArray[np.float64], station: int) -> bool:
+        """Whether points are far away but close together, and their station has no pose, or one near them. Raises
+        `FormatError` where they are too far away for any scanner."""
+        if not far_from_sensor(points):
+            return False
+        if not self._posed or self.poses is None:
+            return True
+        nearest, from_pose = (float(np.linalg.norm(points - place, axis=1).min())
+                              for place in (np.zeros(3), self.poses.position[station]))
+        if from_pose >= _NEAR_POSE * nearest and nearest > _FARTHEST_M:
+            raise FormatError(self.path, f"station {station}", f"its points lie {nearest / 1e3:.0f} km from the scanner, as "
+                              "those of the world do, but not near its pose either: remove the pose, or move the points to "
+                              "the scanner's frame")
+        return from_pose < _NEAR_POSE * nearest
+
+    def notes(self) -> list[str]:
+        """What was assumed, one line each."""
+        if self.world and self._posed:
+            return ["the points have the coordinates of the world already: of the stations' poses, only the positions are "
+                    "used"]
+        if self.poses is not None and not self._posed:
+            return ["the stations have no poses: the scanner is taken to stand at the origin of the coordinates"]
+        return []
 
     def found(self) -> list[str]:
         lines = [f"E57, {len(self._stations)} stations, {self.bytes_total / 1e6:.1f} MB"]
@@ -123,8 +160,15 @@ class E57Recording:
         try:
             for station in self._chosen:
                 count, names, _ = self._stations[station]
+                first = True
                 for columns in self._pieces(file, station, count, names):
                     scan = self._scan(columns, number, station)
+                    points = _points(scan) if first and self._posed else np.empty((0, 3))
+                    if len(points) >= _ENOUGH and self._are_of_world(points, station) != self.world:
+                        raise FormatError(self.path, f"station {station}", "of the points of some stations, the coordinates "
+                                          "are those of the world, and of others their scanner's: read one with --topic "
+                                          f"{station}")
+                    first = False
                     done += len(columns[next(iter(columns))])
                     self.bytes_done = self.bytes_total * done // total
                     if len(scan):

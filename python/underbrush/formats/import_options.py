@@ -8,6 +8,7 @@ from typing import Any, NoReturn
 
 from .._core import import_options
 from ..errors import FormatError
+from .las_units import UNITS
 
 _MOST_THREADS, _FARTHEST_M, _MOST_FRAMES = 1024, 1e6, 1 << 32
 _EPILOG = """examples:
@@ -37,7 +38,9 @@ def parser() -> Parser:
                    help="the topic (bags), ADDRESS:PORT (captures) or station (E57: its number or name) to read")
     p.add_argument("--poses", metavar="FILE|TOPIC",
                    help="poses of the sensor; default: the recording's own, or those that an airborne survey's points tell")
-    p.add_argument("--position", metavar="X,Y,Z", type=_place, help="place of a sensor that stands still, m")
+    p.add_argument("--position", metavar="X,Y,Z", type=_place, help="place of a sensor that stands still, in the coordinates of the recording")
+    p.add_argument("--unit", default="", choices=tuple(UNITS),
+                   help="unit of the coordinates of a LAS or LAZ file, and of its sensor's places; default: its CRS's, or m")
     p.add_argument("--frame", default="", metavar="NAME", help="frame of the poses (bags)")
     p.add_argument("--clock", default="stamp", choices=("stamp", "bag"), help="clock of the scans (bags)")
     p.add_argument("--metadata", metavar="FILE",
@@ -108,7 +111,7 @@ def _words_of(p: Parser, path: str) -> list[str]:
             if value not in ("true", "false"):
                 raise FormatError(path, name, "expected true or false")
             words += ["--" + name] if value == "true" else []
-        elif value:
+        elif value and value != defaults.get(name):
             words += [f"--{name}={value}"]
     return words
 

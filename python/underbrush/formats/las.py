@@ -14,6 +14,7 @@ import numpy.typing as npt
 from ..errors import FormatError
 from ._files import Array, PathLike, guarded, need, with_thousands
 from .laz_check import LasFacts, check_las
+from .las_units import UNITS, Units, units_of_keys, units_of_wkt
 from .layouts import ranks, take_rows
 from .scans import Scan, Survey
 
@@ -21,7 +22,13 @@ NS_PER_M = 2 / 0.299792458  # Of a pulse's way there and back.
 _CHUNK_BYTES = 32 << 20  # Points of a scan, as the file stores them.
 _WITHHELD = 4
 _LACKING = "returns that the file lacks, of pulses with several"
-_UNTOLD = "returns whose pulse is not known, because gps_time is the same at all points: each is a beam of its own"
+_UNTOLD = "returns whose pulse is not known, because pulses share their gps_time: each is a beam of its own"
+_NO_ORDER = "returns whose pulse is not known, because there is no gps_time: each is a beam of its own"
+_TOLD = 0.9  # Share of whole pulses among the returns of pulses that share a time, where the file's order tells them.
+_DEGREES = ("its coordinates are longitude and latitude in degrees: project them to m first, such as with PDAL's "
+            "filters.reprojection")
+_FINEST_M = 1e-5  # Scales of coordinates in m are coarser.
+_NOISE = (7, 18)  # Low points and high noise.
 _OWN = ("X", "Y", "Z", "intensity", "bit_fields", "raw_classification", "classification", "classification_flags",
         "scan_angle_rank", "scan_angle", "user_data", "point_source_id", "gps_time")
 
@@ -34,7 +41,7 @@ class LasRecording(Survey):
     HELIOS++'s amplitude, where it is there, is the intensity, and its echo width (ns) becomes `pulse_width` (m).
     """
 
-    def __init__(self, path: PathLike, *, chunk: int | None = None) -> None:
+    def __init__(self, path: PathLike, *, chunk: int | None = None, unit: str = "") -> None:
         self.path = pathlib.Path(path)
         self.skipped: collections.Counter[str] = collections.Counter()
         self.bytes_total, self.bytes_done = self.path.stat().st_size, 0
@@ -47,18 +54,24 @@ class LasRecording(Survey):
                 header = self._laspy.LasHeader.read_from(file)
                 self._chunk = chunk or max(1, _CHUNK_BYTES // header.point_format.size)
                 self.crs = _crs(header, self._facts)
+                self._units = Units(UNITS[unit], UNITS[unit]) if unit else _units(header, self.crs)
+                self.unit_m = (self._units.flat_m, self._units.flat_m, self._units.up_m)
+                # The labels that the package writes are no classes of LAS.
+                self._has_noise = not str(header.generating_software).startswith("Underbrush")
                 self.has_time = "gps_time" in header.point_format.dimension_names
                 self._describe(header)
 
     def _describe(self, header: Any) -> None:
         low, high = np.asarray(header.mins), np.asarray(header.maxs)
+        digits = 7 if self._units.degrees else 2
         copc = any(v.user_id == "copc" for v in header.vlrs)
         kind = "COPC" if copc else "LAZ" if self._facts.compressed else "LAS"
         returns = [int(n) for n in header.number_of_points_by_return]
         self._found = [
             f"{kind} {header.version}, point format {header.point_format.id}, "
             f"{with_thousands(self._facts.points)} points, {self.bytes_total / 1e6:.1f} MB",
-            "bounds " + " ".join(f"{a}..{b}" for a, b in zip(low.round(2).tolist(), high.round(2).tolist())) + " m",
+            "bounds " + " ".join(f"{a}..{b}" for a, b in zip(low.round(digits).tolist(), high.round(digits).tolist())) + " "
+            + self._units.names(),
             "returns " + ", ".join(f"{n} {with_thousands(c)}" for n, c in enumerate(returns, 1) if c)]
         extra = list(header.point_format.extra_dimension_names)
         if extra:
@@ -82,7 +95,9 @@ class LasRecording(Survey):
         lines = [*self._found, "no misses in this format"]
         if span := self._time_span():
             lines.insert(-2, span)
-        if self.poses is None:
+        if self._units.degrees:
+            lines.append(f"{self.path}: {_DEGREES}")
+        elif self.poses is None:
             lines.append(f"{self.path}: the sensor's place is not in it: "
                          + ("import estimates that of an aircraft, or takes --poses FILE (GPS time x y z) or, for a "
                             "tripod, " if self.has_time else "add ") + "--position X,Y,Z")
@@ -97,7 +112,13 @@ class LasRecording(Survey):
                 reader = laspy.LasReader(file, closefd=False, laz_backend=backend, read_evlrs=False)
             yield reader
 
+    def notes(self) -> list[str]:
+        """What a user must know of the beams."""
+        return [*super().notes(), *([self._units.note()] if self._units.note() else [])]
+
     def scans(self) -> Iterator[Scan]:
+        if self._units.degrees:
+            raise FormatError(self.path, "header", _DEGREES)
         self.bytes_done = read = number = 0
         rest: Any = None
         with self._reader() as reader:
@@ -130,13 +151,15 @@ class LasRecording(Survey):
 
     def _scan(self, points: Any, number: int) -> Scan:
         raw = points.array
-        order = _order(raw) if self.has_time else None
+        order, shared = _order(raw) if self.has_time else (None, np.ones(len(raw), bool))
         if order is not None:
             raw = points.array = raw[order]
         xyz = np.empty((len(raw), 3))
         with np.errstate(over="ignore", invalid="ignore"):
             for axis, name in enumerate("XYZ"):
                 xyz[:, axis] = raw[name] * points.scales[axis] + points.offsets[axis]
+                if self.unit_m[axis] != 1:
+                    xyz[:, axis] *= self.unit_m[axis]
         scan = Scan(number, 0.0, xyz=xyz, intensity=raw["intensity"].astype(np.float32))
         if self.has_time:
             scan.beam_time_s = np.ascontiguousarray(raw["gps_time"])
@@ -157,18 +180,23 @@ class LasRecording(Survey):
             scan.ring = np.asarray(scan.extra.pop("ring")).astype(np.uint16)
         if "heliosAmplitude" in scan.extra:
             scan.intensity = np.asarray(scan.extra.pop("heliosAmplitude")).astype(np.float32)
-        self._number(scan, raw, _beams(raw, self.has_time))
+        begins = _beams(raw, self.has_time)
+        if shared is not None and not _are_told(raw, begins, shared):
+            untold = shared & (_returns(raw)[1] > 1)
+            self.skipped[_UNTOLD if self.has_time else _NO_ORDER] += int(np.count_nonzero(untold))
+            begins |= shared
+        else:
+            shared = None
+        self._number(scan, raw, begins, shared)
         return self._without_bad(scan)
 
-    def _number(self, scan: Scan, raw: Any, begins: npt.NDArray[np.bool_]) -> None:
-        """Numbers the returns of each beam and counts those that the file lacks."""
-        said = _returns(raw)[1][begins].astype(np.int16)
+    def _number(self, scan: Scan, raw: Any, begins: npt.NDArray[np.bool_], untold: npt.NDArray[np.bool_] | None) -> None:
+        """Numbers the returns of each beam and counts those that the file lacks, but for returns of unknown pulses."""
         scan.echo, scan.echoes = ranks(begins)
-        lacking = int(np.maximum(said - scan.echoes[begins], 0).sum())
+        first = begins if untold is None else begins & ~untold
+        lacking = int(np.maximum(_returns(raw)[1][first].astype(np.int16) - scan.echoes[first], 0).sum())
         if lacking:
-            time = scan.beam_time_s
-            self.skipped[_UNTOLD if time is not None and len(time) > 1 and time.min() == time.max() else _LACKING] += (
-                lacking)
+            self.skipped[_LACKING] += lacking
         if scan.beam_time_s is not None and len(scan.beam_time_s):
             scan.time_s = float(scan.beam_time_s[0])
 
@@ -178,14 +206,16 @@ class LasRecording(Survey):
         withheld = (np.asarray(scan.extra["las_flags"], np.uint8) & _WITHHELD) != 0
         # A sum is finite only if all its terms are, and is made faster than a mask.
         total = float(scan.xyz.sum()) + (0.0 if scan.beam_time_s is None else float(scan.beam_time_s.sum()))
-        if np.isfinite(total) and not withheld.any():
+        noise = np.isin(scan.extra["class"], _NOISE) & ~withheld if self._has_noise else np.zeros(len(scan), bool)
+        if np.isfinite(total) and not withheld.any() and not noise.any():
             return scan
         lost = np.zeros(len(scan), bool)
         finite = np.isfinite(scan.xyz).all(axis=1)
         if scan.beam_time_s is not None:
             finite &= np.isfinite(scan.beam_time_s)
         for bad, reason in ((~finite, "points whose coordinates or times are not finite"),
-                            (finite & withheld, "points flagged as withheld")):
+                            (finite & withheld, "points flagged as withheld"),
+                            (finite & noise, "points of the classes of noise, 7 and 18")):
             if bad.any():
                 self.skipped[reason] += int(np.count_nonzero(bad))
                 lost |= bad
@@ -207,8 +237,9 @@ def _returns(raw: Any) -> tuple[npt.NDArray[np.uint8], npt.NDArray[np.uint8]]:
     return bits & 7, (bits >> 3) & 7
 
 
-def _order(raw: Any) -> npt.NDArray[np.int64] | None:
-    """Order of time, then of the returns of a pulse; None where the rows stand in it.
+def _order(raw: Any) -> tuple[npt.NDArray[np.int64] | None, npt.NDArray[np.bool_] | None]:
+    """Order of time, then of the returns of a pulse; None where the rows stand in it. Then, in that order, the rows whose
+    time is that of several pulses; None where there are none.
 
     Rows of equal time are one pulse's if no return number (of a scanner's channel) occurs twice among them; if one
     does, nothing tells the pulses apart but the file's order, which stays.
@@ -218,17 +249,39 @@ def _order(raw: Any) -> npt.NDArray[np.int64] | None:
         number += (raw["classification_flags"] & 0x30).astype(np.int16)
     same = time[1:] == time[:-1]
     if np.all(time[1:] >= time[:-1]) and not np.any(same & (np.diff(number) < 0)):
-        return None
+        twice = np.append(False, same & (np.diff(number) == 0))
+        if not twice.any():
+            return None, None
+        group = np.cumsum(np.append(True, ~same))
+        return None, np.isin(group, group[twice])
     order = np.lexsort((number, time))
     same = np.append(False, np.diff(time[order]) == 0)
     group = np.cumsum(~same)
     twice = np.append(False, np.diff(number[order]) == 0) & same
-    if twice.any():
-        unclear = np.isin(group, group[twice])
+    unclear = np.isin(group, group[twice]) if twice.any() else None
+    if unclear is not None:
         key = np.empty_like(number)
         key[order] = np.where(unclear, 0, number[order])
         order = np.lexsort((key, time))
-    return order
+    return order, unclear
+
+
+def _are_told(raw: Any, begins: npt.NDArray[np.bool_], shared: npt.NDArray[np.bool_]) -> bool:
+    """Whether the order of the rows tells the pulses that share a time: nearly all of those with several returns are
+    whole, and not more of them are if the last return comes first."""
+    number, count = _returns(raw)
+    several = shared & (count > 1)
+    if not several.any():
+        return True
+    falling = np.append(True, (number[1:] >= number[:-1]) | (count[1:] != count[:-1]))
+    if "gps_time" in raw.dtype.names:
+        falling[1:] |= raw["gps_time"][1:] != raw["gps_time"][:-1]
+
+    def whole(starts: npt.NDArray[np.bool_], first: npt.NDArray[np.uint8]) -> int:
+        beam = np.cumsum(starts) - 1
+        return int(np.count_nonzero(several & (np.bincount(beam)[beam] == count) & (number == first)[starts][beam]))
+
+    return whole(begins, np.ones_like(number)) >= max(whole(falling, count), _TOLD * np.count_nonzero(several))
 
 
 def _beams(raw: Any, timed: bool) -> npt.NDArray[np.bool_]:
@@ -250,6 +303,26 @@ def _add_extra(extra: dict[str, Array], name: str, column: Array) -> None:
         extra["pulse_width"] = (column / NS_PER_M).astype(np.float32)
     else:
         extra[name] = np.ascontiguousarray(column)
+
+
+def _units(header: Any, crs: str) -> Units:
+    """The units of the coordinates: those of the CRS, else m. Only degrees need scales that are so much finer in x and y
+    than in z."""
+    found = units_of_wkt(crs) if "[" in crs else None
+    keys = next((v.geo_keys for v in header.vlrs if type(v).__name__ == "GeoKeyDirectoryVlr"), None)
+    if found is None and keys is not None:
+        texts: dict[str, Any] = {type(v).__name__: v for v in header.vlrs}
+        numbers = list(getattr(texts.get("GeoDoubleParamsVlr"), "doubles", []))
+        doubles = {k.id: float(numbers[k.value_offset]) for k in keys
+                   if k.tiff_tag_location == 34736 and k.value_offset < len(numbers)}
+        found = units_of_keys({k.id: k.value_offset for k in keys if k.tiff_tag_location == 0}, doubles,
+                              "|".join(getattr(texts.get("GeoAsciiParamsVlr"), "strings", [])))
+    if found is None and not crs:
+        scales, ends = np.asarray(header.scales), np.abs([header.mins, header.maxs]).max(axis=0)
+        fine = max(scales[:2]) <= _FINEST_M and scales[2] >= 100 * max(scales[:2])
+        if fine and ends[0] <= 360 and ends[1] <= 90:
+            return Units(degrees=True)
+    return found or Units()
 
 
 def _crs(header: Any, facts: LasFacts) -> str:

@@ -53,8 +53,10 @@ LAYOUTS = {layout.name: layout for layout in (
                                "time_stamp:u4"), "time_stamp", 1e-9, False, None),
 )}
 
-_TIMES = ("t", "time", "timestamp", "time_stamp", "stamp", "time_offset", "timeOffset", "offset_time")
-_RINGS = ("ring", "channel", "line", "row")
+_TIMES = tuple(name + unit for unit in ("", "_ns", "_us", "_ms", "_s") for name in (
+    "t", "time", "timestamp", "time_stamp", "stamp", "time_offset", "timeoffset", "offset_time", "offsettime",
+    "adjustedtime", "gps_time", "gpstime", "ts", "timestamps", "dt", "point_time", "rel_time"))
+_RINGS = ("ring", "channel", "laser_id", "line", "row")
 _INTENSITIES = ("intensity", "i", "remission", "signal", "reflectivity")
 _DERIVED = ("range", "azimuth", "elevation", "distance")  # These follow from x y z.
 
@@ -76,6 +78,11 @@ def layout_of(names: tuple[str, ...]) -> str:
         if mark <= set(names):
             return name
     return "generic"
+
+
+def _plain(name: str) -> str:
+    """A field's name in small letters, without CloudCompare's prefix."""
+    return name.lower().removeprefix("scalar_")
 
 
 def guess_sensor(layout: str, scan: Scan) -> str:
@@ -112,15 +119,17 @@ def scan_from_points(points: npt.NDArray[np.void], stamp_s: float, number: int,
     direction: they are left out and counted. `times` knows the unit of the recording's times. `ValueError` without
     x, y, z.
     """
-    names = points.dtype.names or ()
-    layout = layout_of(names)
+    own = points.dtype.names or ()
+    names = {_plain(name): name for name in own}
+    names.update({name: name for name in own if name == _plain(name)})
+    layout = layout_of(tuple(names))
     shape = (points.shape[0], points.shape[1])
     flat = points.reshape(-1)
     if not {"x", "y", "z"} <= set(names):
-        raise ValueError(f"no fields x, y, z, but {', '.join(names) or 'none'}")
+        raise ValueError(f"no fields x, y, z, but {', '.join(own) or 'none'}")
     xyz = np.empty((len(flat), 3))
     for axis, name in enumerate("xyz"):
-        xyz[:, axis] = flat[name]
+        xyz[:, axis] = flat[names[name]]
     with np.errstate(over="ignore", invalid="ignore"):
         square = np.einsum("ij,ij->i", xyz, xyz)
     hit = (square > 1e-12) & (square < 1e12)
@@ -131,19 +140,24 @@ def scan_from_points(points: npt.NDArray[np.void], stamp_s: float, number: int,
         skipped["points without coordinates in a cloud that is not organised"] += int(np.count_nonzero(~hit))
         xyz, flat, hit = xyz[hit], flat[hit], hit[hit]
     scan = Scan(number, stamp_s, xyz=xyz, shape=shape if organised else None)
-    used = {"x", "y", "z", *_DERIVED}
-    for name in names:
-        if name in used:
-            continue
-        if scan.beam_time_s is None and name in _TIMES:
-            scan.beam_time_s = times_of(flat[name], name, layout, stamp_s, times or PointTimes("points"))
-        elif scan.ring is None and name in _RINGS and _are_rings(flat[name]):
-            scan.ring = flat[name].astype(np.uint16)
-        elif scan.intensity is None and name in _INTENSITIES:
-            value = flat[name].astype(np.float32)
+    used = {names[name] for name in ("x", "y", "z", *_DERIVED) if name in names}
+    timed = [name for name in _TIMES if name in names]
+    for name in [name for name in timed if len(flat) and np.any(flat[names[name]] != flat[names[name]][0])] or timed:
+        scan.beam_time_s = times_of(flat[names[name]], name, layout, stamp_s, times or PointTimes("points"))
+        used.add(names[name])
+        break
+    for name in _RINGS:
+        if name in names and _are_rings(flat[names[name]]):
+            scan.ring = flat[names[name]].astype(np.uint16)
+            used.add(names[name])
+            break
+    for name in _INTENSITIES:
+        if name in names:
+            value = flat[names[name]].astype(np.float32)
             scan.intensity = np.where(hit & np.isfinite(value), value, np.float32(0))
-        else:
-            scan.extra[name] = np.ascontiguousarray(flat[name])
+            used.add(names[name])
+            break
+    scan.extra = {name: np.ascontiguousarray(flat[name]) for name in own if name not in used}
     if "return_type" in scan.extra and scan.beam_time_s is not None and scan.ring is not None:
         _number_echoes(scan)
     return scan, layout

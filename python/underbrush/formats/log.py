@@ -115,6 +115,8 @@ def inference_of(recording: Recording, sensor: str, unknown_below_deg: float | N
         raise ValueError(f"{path}: --infer-misses is for point clouds of bags, one a revolution")
     if recording.has_packets:
         raise ValueError(f"{path}: --infer-misses: packets have all their misses")
+    if recording.world:
+        raise ValueError(f"{path}: --infer-misses needs points in the sensor's frame, and these are in that of the poses")
     return MissInference(path, sensor, np.array(recording.scan_times()), unknown_below_deg)
 
 

@@ -8,17 +8,19 @@ import numpy as np
 import numpy.typing as npt
 
 from .._core import grid_directions, group_times, place_rays
+from ..errors import FormatError
 from ._files import Array, OptionMissing, PathLike
 from .airborne import estimate_poses
 from .bag import BagRecording
 from .infer_misses import MissInference
-from .scans import Poses, Recording, Scan, Survey, far_from_sensor
+from .scans import NO_POSES, Poses, Recording, Scan, Survey, far_from_sensor
 from .trajectory import pose_at, read_poses
 
 Floats = npt.NDArray[np.float64]
 
 _LEAST_RANGE_M = 1e-6  # A shorter range has no direction.
 _NO_TURN = np.array([[0.0, 0.0, 0.0, 1.0]])
+_FARTHEST_M = 30e3  # Aircraft fly up to 20 km above what they survey.
 _PACKET_S = 1e-3  # Beams within a millisecond share a packet.
 
 
@@ -28,13 +30,16 @@ def beams(recording: Recording, *, poses: Poses | PathLike | None = None,
     """Beams of all scans of a recording in the world frame, a mapping of columns a scan (see `place`).
 
     `infer` adds the misses that point clouds lack, and `frames` has the numbers of the scans to read. `poses` (or a
-    file of them, see `read_poses`, or a topic) take the place of the recording's own; `position` (x y z, m, world) is
-    the place of a sensor that stands still. Without both, the positions of an airborne sensor are estimated from a
+    file of them, see `read_poses`, or a topic) take the place of the recording's own; `position` (x y z, world) is the
+    place of a sensor that stands still. It is in m, and so are `Poses`, but a position and a file of poses for a survey
+    file have its coordinates, in its unit. Without both, the positions of an airborne sensor are estimated from a
     survey file. What is left out is counted in `recording.skipped`. Raises `OptionMissing` with one line that names the
-    option to add where nothing says where the sensor was.
+    option to add where nothing says where the sensor was, `FormatError` where that is far from the points.
     """
     path = getattr(recording, "path", "recording")
     known = poses_of(recording, poses, estimated=position is None)
+    if position is not None:
+        position = np.asarray(position, np.float64) * getattr(recording, "unit_m", 1.0)
     first = True
     if frames is not None and not getattr(recording, "numbered", False):
         raise ValueError(f"{path}: --frames is for recordings of scans: bags and packet captures")
@@ -47,15 +52,41 @@ def beams(recording: Recording, *, poses: Poses | PathLike | None = None,
             if known is None:
                 raise OptionMissing(f"{path}: world coordinates need the sensor's place: add --poses FILE "
                                     "(GPS time x y z) or, for a tripod, --position X,Y,Z")
-            if scan.beam_time_s is None:
+            if scan.beam_time_s is None and isinstance(recording, Survey):
                 raise OptionMissing(f"{path}: no gps_time, so a trajectory cannot be used: add --position X,Y,Z")
         elif first and known is None and not recording.world and position is None:
-            raise OptionMissing(f"{path}: no poses in it: add --poses FILE (t x y z qx qy qz qw, world from sensor) "
-                                "or, for a sensor that stands still, --position X,Y,Z")
+            raise OptionMissing(recording.ask_poses() if isinstance(recording, BagRecording) else f"{path}: {NO_POSES}")
         first = False
         if infer is not None:
             scan = infer.added(scan, recording.skipped)
-        yield place(scan, known, world=recording.world, position=position, skipped=recording.skipped)
+        columns = place(scan, known, world=recording.world, position=position, skipped=recording.skipped)
+        yield _near(path, columns, position is not None, recording.skipped) if recording.world else columns
+
+
+def _near(path: PathLike, columns: dict[str, Array], still: bool, skipped: collections.Counter[str]
+          ) -> dict[str, Array]:
+    """The beams without those that end too far from the sensor, which are counted. Raises `FormatError` where most do:
+    the sensor's places and the points have different coordinates."""
+    far = np.isfinite(columns["range_m"]) & (columns["range_m"] > _FARTHEST_M)
+    if not far.any():
+        return columns
+    if 2 * np.count_nonzero(far) > len(far):
+        row = int(np.flatnonzero(far)[len(np.flatnonzero(far)) // 2])
+        place, range_m = columns["origin"][row], float(columns["range_m"][row])
+        point = place + range_m * columns["direction"][row].astype(np.float64)
+        why = "both must have the coordinates of the file"
+        if np.linalg.norm(place[[1, 0, 2]] - point) < _FARTHEST_M:
+            why = "x (east) must stand before y (north)"
+        elif np.all(np.abs(place[:2]) <= [360, 90]):
+            why += ", and these are degrees or those of a site of its own"
+        raise FormatError(path, "--position" if still else "--poses", f"the sensor at {_text(place)} is "
+                          f"{range_m / 1e3:.0f} km from the points around {_text(point)} m: {why}")
+    skipped[f"points farther than {_FARTHEST_M / 1e3:.0f} km from the sensor"] += int(np.count_nonzero(far))
+    return {name: column[~far] for name, column in columns.items()}
+
+
+def _text(point: Floats) -> str:
+    return " ".join(f"{value:.1f}" for value in point)
 
 
 def poses_of(recording: Recording, given: Poses | PathLike | None, estimated: bool = False) -> Poses | None:
@@ -70,7 +101,14 @@ def poses_of(recording: Recording, given: Poses | PathLike | None, estimated: bo
     if isinstance(recording, BagRecording):
         recording.take_poses(given)
         return recording.poses
-    return read_poses(given, getattr(recording, "pose_times", None))
+    return read_poses_of(recording, given)
+
+
+def read_poses_of(recording: Recording, path: PathLike) -> Poses:
+    """The poses of a file, which has the coordinates of the recording."""
+    poses = read_poses(path, getattr(recording, "pose_times", None), places_only=recording.world)
+    poses.position = poses.position * np.array(getattr(recording, "unit_m", 1.0))
+    return poses
 
 
 def place(scan: Scan, poses: Poses | None, *, world: bool = False, position: Sequence[float] | None = None,

@@ -14,6 +14,9 @@ _DATES_S = (1e9, 4.2e9)  # Seconds since 1970: the years 2001 to 2103.
 _ENOUGH = 20  # Points of a scan; fewer tell no unit.
 _UNITS = (("ns", 1e-9), ("µs", 1e-6), ("ms", 1e-3), ("s", 1.0))
 
+_SUFFIXES = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
+_USELESS = "the points' times ({}) {}: the motion within a scan is not compensated"
+
 
 class PointTimes:
     """Turns columns of times into seconds, in the unit that the first scan of 20 points and more tells.
@@ -21,7 +24,9 @@ class PointTimes:
     Whole numbers are ns and others s, if that fits: the times of a scan span at most 1.3 of the period and at least a
     twentieth of it or 20 ms. Else the unit is the one of ns, µs, ms and s that fits, or the values are shares of the
     scan's period. Where the period is not known, times of 1 ms and more fit in the usual unit, and 10 ms to 1 s in
-    others. This is the rule of the program, too (io/point_times.hpp).
+    others. A name that ends in _ns, _us, _ms or _s says the unit. This is the rule of the program, too
+    (io/point_times.hpp). Times that are all equal, and floats whose steps are longer than a twentieth of the period,
+    say nothing of the points: `note` says so, and the latter become the stamp.
     """
 
     def __init__(self, path: PathLike, period_s: float = 0.0, unit_s: float = 0.0) -> None:
@@ -35,6 +40,10 @@ class PointTimes:
         return span >= 1e-3 if usual else 0.01 <= span <= 1
 
     def _unit_of(self, name: str, usual: float, low: float, span: float, count: int) -> float:
+        said = name.rpartition("_")[2] if "_" in name else ""
+        if said in _SUFFIXES:
+            self._unit = _SUFFIXES[said]
+            return self._unit
         whole = usual == 1e-9
         for _, unit in _UNITS:
             is_date = _DATES_S[0] < low * unit < _DATES_S[1]
@@ -73,4 +82,10 @@ class PointTimes:
         whole = column.dtype.kind in "iu" or max(-low, high) > 1e15
         unit = self._unit_of(name, usual_s or (1e-9 if whole else 1.0), low, high - low, len(finite))
         absolute = max(-low, high) * unit > _LONGEST_OFFSET_S
+        if low == high and len(finite) >= _ENOUGH:
+            self.note = _USELESS.format(name, f"are all {low:g}")
+        step = float(np.spacing(np.float32(max(-low, high)))) * unit if column.dtype.itemsize == 4 and not whole else 0.0
+        if step > 0.05 * (self._period or 0.1):
+            self.note = _USELESS.format(name, f"are floats of 4 bytes in steps of {step:.2g} s, so that they are not used")
+            return np.full(len(values), stamp_s)
         return np.asarray(values * unit + (0.0 if absolute else stamp_s))

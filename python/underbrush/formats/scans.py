@@ -12,6 +12,9 @@ import numpy.typing as npt
 
 Array = npt.NDArray[np.generic]
 
+#: What is said of a recording without poses.
+NO_POSES = ("no poses in it: add --poses FILE (t x y z qx qy qz qw, world from sensor) or, for a sensor that stands still, "
+            "--position X,Y,Z")
 _FAR_M, _EXTENT, _ENOUGH = 300.0, 0.3, 20  # m; of the distance; points.
 
 
@@ -55,13 +58,19 @@ class Recording(Protocol):
     """What a reader of recordings offers. It reads in bounded memory: one scan at a time."""
 
     sensor: str  #: Name in the sensor catalogue; empty where unknown.
-    organised: bool  #: Whether its scans keep misses.
     crs: str  #: Coordinate reference system as the file gives it (WKT or EPSG:N); empty where there is none.
-    world: bool  #: Whether `xyz` are world coordinates (survey files), and not the sensor's frame.
     poses: Poses | None  #: Poses that the recording itself contains.
     skipped: collections.Counter[str]  #: Records left out so far, by reason.
     bytes_total: int  #: Size of the recording, bytes.
     bytes_done: int  #: Bytes read so far, for progress.
+
+    @property
+    def organised(self) -> bool:
+        """Whether its scans keep misses."""
+
+    @property
+    def world(self) -> bool:
+        """Whether `xyz` are world coordinates (survey files), and not the sensor's frame."""
 
     def found(self) -> list[str]:
         """Lines that say what is in the recording: topics, sensors, rates, counts, time span."""
@@ -81,6 +90,7 @@ class Survey:
     poses: Poses | None = None
     skipped: collections.Counter[str]
     estimated = ""  #: How `poses` were estimated from the points; empty where they were not.
+    unit_m: tuple[float, float, float] = (1.0, 1.0, 1.0)  #: Of the file's coordinates; `xyz` are in m.
 
     def scans(self) -> Iterator[Scan]:
         """As `Recording.scans`."""

@@ -15,6 +15,12 @@ from .scans import Poses
 Floats = npt.NDArray[np.float64]
 
 _LONGEST_LINE = 4096
+_QUATERNION, _ANGLES = ("qx", "qy", "qz", "qw"), ("roll", "pitch", "yaw")
+#: What the columns of these names are; others are told by their parts.
+_NAMES = {name: what for what, names in {
+    "t": "t sec secs seconds s", "nsec": "nsec nsecs nanosec nanosecs nanoseconds", "x": "x easting east e",
+    "y": "northing north n", "z": "z height h altitude alt elevation elev ellipsoidalheight up",
+    "roll": "roll r", "pitch": "pitch p", "yaw": "yaw", "heading": "heading azimuth"}.items() for name in names.split()}
 
 
 def multiply(a: Floats, b: Floats) -> Floats:
@@ -124,26 +130,54 @@ def from_angles(roll: Floats, pitch: Floats, yaw: Floats) -> Floats:
     return multiply(about(2, yaw), multiply(about(1, pitch), about(0, roll)))
 
 
-def _named_columns(line: str) -> list[int]:
-    """Columns of t x y z qx qy qz qw in a line of names, such as `#timestamp, p_RS_R_x [m], …, q_RS_w []`; else []."""
+def _named_columns(line: str) -> tuple[dict[str, int], int]:
+    """The columns of t x y z, of the quaternion qx qy qz qw and of the angles roll pitch yaw that a line of names has,
+    such as `#timestamp, p_RS_R_x [m], …, q_RS_w []` or `GPSTime,Easting,Northing,Height`, and how many names it has.
+    Empty where a name stands twice, and where time or place are not all there."""
     text = re.sub(r"\[[^\]]*\]|\([^)]*\)", "", line.lower()).lstrip("#/ \ufeff").strip()
     names = [re.sub(r"[^a-z0-9_.]", "", name) for name in re.split(r"[,;]" if re.search("[,;]", text) else r"\s+", text)]
+    names = [re.sub(r"_(deg|rad|m|s)$", "", name) for name in names]
+    if names[-1:] == [""]:
+        names.pop()
     found: dict[str, int] = {}
     for column, name in enumerate(names):
         if not name or name.startswith(("v_", "w_", "a_", "b_")):
             continue
         turns = "q" in name or "rot" in name or "orient" in name or name.endswith("w")
-        if "time" in name or "stamp" in name or name in ("t", "sec", "seconds"):
+        if name in _NAMES:
+            what = _NAMES[name]
+        elif "time" in name or "stamp" in name:
             what = "t"
-        elif name[-1] in "xyzw":
+        elif name == "y" and names[max(0, column - 2):column] == ["r", "p"]:
+            what = "yaw"
+        elif name[-1] in "xyzw" and not name.endswith("yaw"):
             what = ("q" if turns else "") + name[-1]
         else:
             continue
         if what in found:
-            return []
+            return {}, 0
         found[what] = column
-    wanted = ("t", "x", "y", "z", "qx", "qy", "qz", "qw")
-    return [found[what] for what in wanted] if all(what in found for what in wanted) else []
+    return (found, len(names)) if all(what in found for what in "txyz") else ({}, 0)
+
+
+def _ordered(table: Floats, found: dict[str, int], places_only: bool, path: PathLike, radians: bool) -> Poses:
+    """Poses of the columns that a line of names has named."""
+    time, place = table[:, found["t"]], table[:, [found[axis] for axis in "xyz"]]
+    if "nsec" in found:
+        time = time + 1e-9 * table[:, found["nsec"]]
+    time = time * _seconds_of_dates(time)
+    turns = np.tile([0.0, 0.0, 0.0, 1.0], (len(table), 1))
+    if all(what in found for what in _QUATERNION):
+        turns = table[:, [found[what] for what in _QUATERNION]]
+    elif not places_only and table.shape[1] > 4 + ("nsec" in found) and not all(what in found for what in _ANGLES):
+        if "heading" not in found:
+            raise FormatError(path, "line 1", "names no rotation (qx qy qz qw, or roll pitch yaw)")
+        raise FormatError(path, "line 1", "roll, pitch and heading are angles of an aircraft: give quaternions "
+                                          "(t x y z qx qy qz qw, world from sensor)")
+    elif all(what in found for what in _ANGLES):
+        angles = table[:, [found[what] for what in _ANGLES]]
+        turns = from_angles(*(angles if radians else np.deg2rad(angles)).T)
+    return in_order(time, place, turns)
 
 
 def _seconds_of_dates(times: Floats) -> float:
@@ -152,6 +186,11 @@ def _seconds_of_dates(times: Floats) -> float:
         if float(times.min()) * unit > 1e9 and float(times.max()) * unit < 4.2e9:
             return unit
     return 1.0
+
+
+def _is_helios(table: Floats) -> bool:
+    """Whether columns can be x y z t roll pitch yaw: times that rise, and angles (degrees)."""
+    return bool(np.all(np.diff(table[:, 3]) > 0) and np.all(np.abs(table[:, 4:]) <= 360))
 
 
 def _of_matrices(time_s: Floats, rows: Floats) -> Poses:
@@ -199,23 +238,26 @@ def _of_scans(path: PathLike, table: Floats, times_of_scans: Callable[[], Floats
     return beyond_ends(poses)
 
 
-def read_poses(path: PathLike, times_of_scans: Callable[[], Floats] | None = None) -> Poses:
+def read_poses(path: PathLike, times_of_scans: Callable[[], Floats] | None = None, places_only: bool = False) -> Poses:
     """Reads a text file of poses, world from sensor; `#` begins a comment, commas are blanks.
 
-    A line of names above the rows says the order of time, position and quaternion, as in EuRoC's files; without one the
-    number of columns tells the format: 4 is `t x y z` (no rotation), 7 a HELIOS++ trajectory
-    (`x y z t roll pitch yaw`, degrees), 8 TUM (`t x y z qx qy qz qw`), 13 a time and a row-major 3×4 matrix, 12 the
+    A line of names above the rows says the order of time, position and quaternion, as in EuRoC's files, or of roll,
+    pitch and yaw (degrees, or rad where the line says so). Without one the number of columns tells the format: 4 is
+    `t x y z` (no rotation), 7 a HELIOS++ trajectory (`x y z t roll pitch yaw`, or `t roll pitch yaw x y z` where only
+    that has rising times and angles; degrees), 8 TUM (`t x y z qx qy qz qw`), 13 a time and a row-major 3×4 matrix, 12 the
     matrix alone. The rows of 12 columns are one a scan (KITTI, Ouster's and KISS-ICP's), and the first of 13 columns
     may be the numbers of scans instead of times. They then have the times that `times_of_scans` gives, and the motion
-    goes on beyond the first and the last. Raises `FormatError`.
+    goes on beyond the first and the last. With `places_only` no rotation is needed. Raises `FormatError`.
     """
     rows: list[list[float]] = []
-    named: list[int] = []
+    named: tuple[dict[str, int], int] = {}, 0
+    radians = False
     with pathlib.Path(path).open(encoding="utf-8", errors="replace") as file:
         for number, line in enumerate(iter(lambda: file.readline(_LONGEST_LINE), ""), 1):
             words = line.partition("#")[0].replace(",", " ").split()
             if not rows:
-                named = named or _named_columns(line)
+                if not named[0]:
+                    named, radians = _named_columns(line), "rad" in line.lower()
             try:
                 values = [float(word) for word in words]
             except ValueError:
@@ -229,12 +271,19 @@ def read_poses(path: PathLike, times_of_scans: Callable[[], Floats] | None = Non
     if not rows:
         raise FormatError(path, "", "no poses")
     table = np.array(rows)
-    if named and max(named) < table.shape[1]:
-        table = table[:, named]
+    found, count = named
+    whole = all(what in found for what in _QUATERNION)
+    if found and (max(found.values()) < table.shape[1] if whole else count == table.shape[1]):
+        poses = _ordered(table, found, places_only, path, radians)
+        if len(poses.time_s) < len(table):
+            raise FormatError(path, "", f"{len(table) - len(poses.time_s)} rows are no pose or have a time twice")
+        return poses
     table[:, 0] *= _seconds_of_dates(table[:, 0]) if table.shape[1] in (4, 8, 13) else 1.0
     none = np.tile([0.0, 0.0, 0.0, 1.0], (len(table), 1))
     if table.shape[1] == 4:
         poses = in_order(table[:, 0], table[:, 1:4], none)
+    elif table.shape[1] == 7 and not _is_helios(table) and _is_helios(table[:, [4, 5, 6, 0, 1, 2, 3]]):
+        poses = in_order(table[:, 0], table[:, 4:], from_angles(*np.deg2rad(table[:, 1:4]).T))
     elif table.shape[1] == 7:
         poses = in_order(table[:, 3], table[:, :3], from_angles(*np.deg2rad(table[:, 4:]).T))
     elif table.shape[1] == 8:
