@@ -48,18 +48,6 @@ std::optional<Pose> pose_from_tum(const std::vector<double>& v, const PoseColumn
   return pose;
 }
 
-/// Dates from 2001 on in ms, µs or ns become s.
-void use_seconds(std::vector<double>& times, std::vector<std::string>& notes) {
-  if (times.empty()) return;
-  const auto [low, high] = std::minmax_element(times.begin(), times.end());
-  for (const auto& [name, unit] : {std::pair("ms", 1e-3), {"µs", 1e-6}, {"ns", 1e-9}}) {
-    if (!(*low * unit > 1e9 && *high * unit < 4.2e9)) continue;
-    for (double& t : times) t *= unit;
-    notes.push_back(std::string("the times of the poses are taken to be ") + name + " since 1970");
-    return;
-  }
-}
-
 /// Reads the rows of a file of poses with quaternions.
 PoseList quaternion_poses(const fs::path& path, const NumberRows& numbers,
                           const PoseColumns& columns) {
@@ -143,7 +131,9 @@ PoseList read_poses(const fs::path& path) {
     out.notes.push_back(first ? "the poses' quaternions are qw qx qy qz, as their header says"
                               : "the poses' columns are in the order that their header says");
   }
-  use_seconds(out.time_s, out.notes);
+  if (const std::string unit = use_dates(out.time_s); !unit.empty()) {
+    out.notes.push_back("the times of the poses are taken to be " + unit);
+  }
   check_unique(path, out.time_s);
   return out;
 }
@@ -176,6 +166,17 @@ Trajectory read_trajectory(const fs::path& path) {
   std::vector<StampedPose> poses(list.pose.size());
   for (size_t i = 0; i < poses.size(); ++i) poses[i] = {list.time_s[i], list.pose[i]};
   return Trajectory(std::move(poses));
+}
+
+std::string use_dates(std::vector<double>& times) {
+  if (times.empty()) return "";
+  const auto [low, high] = std::minmax_element(times.begin(), times.end());
+  for (const auto& [name, unit] : {std::pair("ms", 1e-3), {"µs", 1e-6}, {"ns", 1e-9}}) {
+    if (!(*low * unit > 1e9 && *high * unit < 4.2e9)) continue;
+    for (double& t : times) t *= unit;
+    return std::string(name) + " since 1970";
+  }
+  return "";
 }
 
 std::vector<double> read_times(const fs::path& path) {
