@@ -45,15 +45,16 @@ std::vector<PoseGap> split_at_gaps(std::vector<StampedPose>& poses, double reach
   size_t begin = 0;  // of the poses since the last gap
   for (size_t i = 1; i < poses.size(); ++i) {
     const double from = poses[i - 1].time_s, to = poses[i].time_s;
-    const bool gap = to - from > std::max({kLong, kSteps * usual, 2.5 * reach}) &&
+    const bool gap = to - from > std::max({kLong, kSteps * usual, 2 * usual + 2.5 * reach}) &&
                      (way[i - 1] > far || turn[i - 1] > turned);
     if (gap) {
       size_t before = i - 1, after = i;
       while (before > begin && poses[before].time_s > from - reach) --before;
       while (after + 1 < poses.size() && poses[after].time_s < to + reach) ++after;
-      if (before < i - 1) out.push_back(extrapolated(poses[before], poses[i - 1], from + reach));
-      if (after > i) out.push_back(extrapolated(poses[i], poses[after], to - reach));
-      gaps.push_back({from + reach, to - reach, way[i - 1]});
+      const double first = from + usual, last = to - usual;  // of the gap
+      if (before < i - 1) out.push_back(extrapolated(poses[before], poses[i - 1], first + reach));
+      if (after > i) out.push_back(extrapolated(poses[i], poses[after], last - reach));
+      gaps.push_back({first, last, way[i - 1]});
       begin = i;
     }
     out.push_back(poses[i]);

@@ -17,8 +17,8 @@ struct PoseGap {
 
 /// Finds the gaps of poses in order of time: more than 1 s and ten usual steps without a pose, in
 /// which the sensor moves by more than 0.5 m and three usual steps, or turns by more than 5° and
-/// three usual turns. The poses beside a gap are extrapolated into it by `reach_s` (at least a usual
-/// step), as far as a scan needs them that began before it; the gap is what remains.
+/// three usual turns. Poses are extrapolated by one step, and the gap is what remains; where a scan
+/// of `reach_s` ends that begins before it, or begins that ends behind it, `poses` get another one.
 std::vector<PoseGap> split_at_gaps(std::vector<StampedPose>& poses, double reach_s);
 
 /// Returns the middle one of the ascending steps between neighbours; 0 if there is none.

@@ -67,12 +67,23 @@ class ScanFolder : public ScanSource {
       return none;
     }
     if (notes_.empty()) notes_ = table.notes;
+    if (points_in_world_) step_m_ = std::max(step_m_, table.step() * unit_m_);
     keep_bin_columns(file.path, table);
     PointScan scan = scan_from_table(file.path.string(), std::move(table),
                                      {infos_[k], points_in_world_, unit_m_, &times_}, skipped_);
     if (!file.labels.empty()) add_labels(file.labels, scan);
     check_columns(file.path, scan);
     return scan;
+  }
+  std::vector<std::string> warnings() const {
+    constexpr double kCoarse = 0.01;  // m
+    if (step_m_ < kCoarse) return {};
+    char text[200];
+    std::snprintf(text, sizeof text,
+                  "the coordinates are 32-bit floats, which are rounded to steps of %.3g m so far "
+                  "from zero: write them as doubles, or relative to a place nearby",
+                  step_m_);
+    return {text};
   }
   std::vector<std::string> notes() const {
     std::vector<std::string> all = notes_;
@@ -114,6 +125,7 @@ class ScanFolder : public ScanSource {
   std::vector<std::string> columns_;  // Names for files that have none.
   bool points_in_world_;
   double unit_m_;
+  double step_m_ = 0;  // Step of the coordinates in the world, where it is largest.
   PointTimes times_;
   std::vector<std::string> notes_;
   std::map<std::string, size_t> skipped_;
@@ -310,8 +322,8 @@ void use_seconds(ScanPlacing& placing, bool poses_have_the_scans_times,
   if (unit == 1) return;
   char text[200];
   std::snprintf(text, sizeof text,
-                "the times of the scans are taken to be in %s: %.4g of them lie between scans", name,
-                usual_step(times));
+                "the times of the scans are taken to be in %s: %.4g of them lie between scans",
+                name, usual_step(times));
   notes.emplace_back(text);
   const bool same_unit = !by_poses && !poses.numbered && !poses.time_s.empty() &&
                          poses.time_s.back() >= times.front() && poses.time_s[0] <= times.back() &&
@@ -332,9 +344,10 @@ void count_by_names(std::vector<ScanFile>& files, const ScanPlacing& placing,
   const uint32_t first = *high.number == rows ? 1 : 0;
   if (*low.number < first || files[0].frame == *files[0].number - first) return;
   for (ScanFile& file : files) file.frame = *file.number - first;
-  notes.push_back("the numbers in the scans' names are those of the poses and times, counted from " +
-                  std::to_string(first) + ": " + files[0].path.filename().string() + " has row " +
-                  std::to_string(files[0].frame + 1));
+  notes.push_back(
+      "the numbers in the scans' names are those of the poses and times, counted from " +
+      std::to_string(first) + ": " + files[0].path.filename().string() + " has row " +
+      std::to_string(files[0].frame + 1));
 }
 
 }  // namespace
@@ -363,10 +376,11 @@ void place_scans(std::vector<ScanFile> files, ScanPlacing placing, Input& input)
     in_gaps += lost[g];
     const PoseGap& gap = placer.gaps[g];
     char text[200];
-    std::snprintf(text, sizeof text,
-                  "the poses have a gap of %.1f s from %.2f s on, in which the sensor moves by %.1f "
-                  "m: %zu scans in it are left out",
-                  gap.to_s - gap.from_s, gap.from_s, gap.moved_m, lost[g]);
+    std::snprintf(
+        text, sizeof text,
+        "the poses have a gap of %.1f s from %.2f s on, in which the sensor moves by %.1f "
+        "m: %zu scans in it are left out",
+        gap.to_s - gap.from_s, gap.from_s, gap.moved_m, lost[g]);
     if (selected.empty()) throw FormatError(placing.poses_name, "", text);
     input.notes.emplace_back(text);
   }
@@ -376,6 +390,7 @@ void place_scans(std::vector<ScanFile> files, ScanPlacing placing, Input& input)
                                              placer.trajectory, placing, placer.period(), in_gaps);
   input.skipped = [raw = source.get()] { return raw->skipped(); };
   input.read_notes = [raw = source.get()] { return raw->notes(); };
+  input.read_warnings = [raw = source.get()] { return raw->warnings(); };
   input.scans = std::move(source);
 }
 

@@ -47,7 +47,7 @@ bool is_frame_number(const std::string& stem) {
 struct NamedTime {
   double seconds = 0;
   std::string_view fraction;
-  const char* unit = "";  ///< That of a date of one number which is no 19 digits.
+  const char* unit = "";  ///< Named where the time is one number that is not in ns.
 };
 
 std::optional<NamedTime> time_in(const std::string& stem) {
@@ -74,12 +74,18 @@ std::optional<NamedTime> time_in(const std::string& stem) {
   return std::nullopt;
 }
 
+std::vector<std::string> stems_of(const std::vector<ScanFile>& files) {
+  std::vector<std::string> stems(files.size());
+  for (size_t i = 0; i < files.size(); ++i) stems[i] = scan_stem(files[i].path);
+  return stems;
+}
+
 /// Gives the files the times in their names. Returns the unit that was taken, if it is not ns.
 std::string give_times(std::vector<ScanFile>& files) {
-  std::vector<std::string> stems;
+  const std::vector<std::string> stems = stems_of(files);
   size_t longest = 0;
-  for (const ScanFile& file : files) stems.push_back(scan_stem(file.path));
   std::vector<std::optional<NamedTime>> times;
+  times.reserve(stems.size());
   std::string unit;
   for (const std::string& stem : stems) {
     times.push_back(is_frame_number(stem) ? std::nullopt : time_in(stem));
@@ -156,14 +162,15 @@ void leave_out_others(const fs::path& folder, std::vector<ScanFile>& files,
                           "), those of others are not (" + name_of(*name) +
                           "): leave in the folder what belongs together");
   }
-  if (!numbered && !(mostly && most->second > kFew && others <= kFew)) return;
+  const auto scan = std::ranges::find_if_not(files, is_other);
+  const bool told = numbered || scan->time_s;
+  if (!mostly || (!told && (most->second <= kFew || others > kFew))) return;
   std::string names;
   size_t named = 0;
   for (const ScanFile& file : files) {
     if (is_other(file) && named++ < 3) names += (named > 1 ? ", " : "") + name_of(file);
   }
   if (named > 3) names += " and " + std::to_string(named - 3) + " more";
-  const auto scan = std::ranges::find_if_not(files, is_other);
   notes.push_back("left out of the folder, with names unlike those of the " +
                   std::to_string(most->second) + " scans (" + name_of(*scan) + "): " + names);
   std::erase_if(files, is_other);
@@ -171,8 +178,7 @@ void leave_out_others(const fs::path& folder, std::vector<ScanFile>& files,
 
 /// Sets `number` where one number alone differs from name to name.
 void find_numbers(std::vector<ScanFile>& files) {
-  std::vector<std::string> stems;
-  for (const ScanFile& file : files) stems.push_back(scan_stem(file.path));
+  const std::vector<std::string> stems = stems_of(files);
   const size_t runs = runs_of(stems[0]).size();
   std::optional<size_t> differs;
   if (files.size() == 1 && runs == 1) differs = 0;
