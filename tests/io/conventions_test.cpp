@@ -4,6 +4,7 @@
 
 #include "formats.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/io/log_file.hpp"
 #include "underbrush/io/mesh_file.hpp"
 #include "underbrush/io/mesh_scene.hpp"
 #include "underbrush/io/ply_header.hpp"
@@ -48,6 +49,8 @@ TEST(PointTimes, UnitIsThatWhichFitsTheScan) {
   EXPECT_NEAR(last_after(0.1, spread(0, 97), "time_ms"), 0.097, 1e-9);
   EXPECT_NEAR(last_after(0, spread(0, 80)), 80, 1e-9) << "a tripod's scan alone";
   EXPECT_NEAR(last_after(0, whole(spread(0, 97000))), 0.097, 1e-6);
+  EXPECT_NEAR(last_after(0, spread(0, 97000000)), 0.097, 1e-9) << "ns, as text has them";
+  EXPECT_NEAR(last_after(0, spread(0, 97000)), 0.097, 1e-9) << "µs, likewise";
 }
 
 TEST(PointTimes, DatesTellTheirUnit) {
@@ -76,6 +79,11 @@ TEST(PoseColumns, NamesSayTheOrder) {
   EXPECT_EQ(pose_columns_of("# t x y z qw qx qy qz"), w_first);
   EXPECT_EQ(pose_columns_of("time;x;y;z;rot_w;rot_x;rot_y;rot_z"), w_first);
   EXPECT_EQ(pose_columns_of("qx qy qz qw tx ty tz stamp"), (PoseColumns{7, 4, 5, 6, 0, 1, 2, 3}));
+  EXPECT_EQ(pose_columns_of("timestamp,tx,ty,tz,qr,qi,qj,qk"), w_first);
+  EXPECT_EQ(pose_columns_of("t x y z w i j k"), w_first);
+  EXPECT_EQ(pose_columns_of("index x y z qw qx qy qz"), w_first) << "what is left is the time";
+  EXPECT_EQ(pose_columns_of("t vx vy vz x y z wx wy wz qx qy qz qw"), std::nullopt);
+  EXPECT_FALSE(pose_columns_of("# t x y z q0 q1 q2 q3")) << "w is first or last";
   EXPECT_FALSE(pose_columns_of("# ground truth trajectory"));
   EXPECT_FALSE(pose_columns_of("# t x y z q"));
   EXPECT_FALSE(pose_columns_of("t x x y z qx qy qz qw"));
@@ -90,6 +98,44 @@ TEST(PoseColumns, FilesFollowTheirHeaders) {
   EXPECT_NEAR(poses.pose[0].rotation.w(), 0.8, 1e-12);
   EXPECT_NEAR(poses.time_s[0], 1403636580.838555648, 1e-6);
   EXPECT_EQ(poses.notes.size(), 2u);
+}
+
+TEST(PoseColumns, PartsOfSecondsCount) {
+  const TemporaryFolder folder;
+  for (const auto& [names, part] : {std::pair("#sec,nsec,x,y,z,qx,qy,qz,qw", "370000000"),
+                                    {"secs,nsecs,x,y,z,qx,qy,qz,qw", "370000000"},
+                                    {"stamp.sec,stamp.nanosec,x,y,z,qx,qy,qz,qw", "370000000"},
+                                    {"seconds,microseconds,x,y,z,qx,qy,qz,qw", "370000"}}) {
+    put_bytes(folder / "p", std::string(names) + "\n98," + part + ",1,2,3,0,0,0,1\n99," + part +
+                                ",1,2,3,0,0,0,1\n");
+    EXPECT_NEAR(read_poses(folder / "p").time_s[1], 99.37, 1e-9) << names;
+  }
+  put_bytes(folder / "p", "timestamp_nsec,x,y,z,qx,qy,qz,qw\n1600000000370000000,1,2,3,0,0,0,1\n");
+  EXPECT_NEAR(read_poses(folder / "p").time_s[0], 1600000000.37, 1e-6);
+}
+
+std::string reason_of(const std::function<void()>& read) {
+  try {
+    read();
+  } catch (const FormatError& e) {
+    return e.reason();
+  }
+  return "";
+}
+
+TEST(PoseColumns, HeadersThatAreNotKnownAreNamed) {
+  const TemporaryFolder folder;
+  const auto reason = [&](const std::string& text) {
+    put_bytes(folder / "p", text);
+    return reason_of([&] { read_poses(folder / "p"); });
+  };
+  const std::string row = "1 2 3 4 1 0 0 0\n";
+  EXPECT_NE(reason("# time x y z q0 q1 q2 q3\n" + row).find("q0 q1"), std::string::npos);
+  EXPECT_EQ(reason("# eight words of prose that name no column\n" + row), "");
+  EXPECT_NE(reason("GPSTime,easting,northing,altitude,vel_east,vel_north,vel_up,roll,pitch,heading,"
+                   "angvel_z,angvel_y,angvel_x\n1,2,3,4,5,6,7,8,9,10,11,12,13\n")
+                .find("GPSTime easting"),
+            std::string::npos);
 }
 
 /// A sweep of rings with x y z, an intensity, and then a ring, a time, and two values more.
@@ -127,6 +173,129 @@ TEST(BinFile, ValuesTellTheColumns) {
     put_bytes(folder / "a.bin", floats_of(columns));
     EXPECT_THROW(read_bin(folder / "a.bin"), FormatError) << columns;
   }
+}
+
+TEST(BinFile, OtherColumnsAndNumbersAreRefused) {
+  const TemporaryFolder folder;
+  const auto reason = [&](const std::string& bytes) {
+    put_bytes(folder / "a.bin", bytes);
+    return reason_of([&] { read_bin(folder / "a.bin"); });
+  };
+  std::string five, signed_intensity, signed_four, rings_last, doubles, big, packed, counts;
+  for (int k = 0; k < 3000; ++k) {
+    const float a = 0.01f * float(k), r = 8 + 3 * std::sin(5 * a), t = 3e-5f * float(k);
+    const float xyz[] = {r * std::cos(a), r * std::sin(a), -1.5f + 0.1f * float(k % 16)};
+    const float intensity = float(k * 7 % 50), ring = float(k % 16);
+    for (std::string* s : {&five, &signed_intensity, &signed_four, &rings_last, &packed}) {
+      for (const float v : xyz) add(*s, v);
+    }
+    add(five, intensity), add(five, t);
+    add(signed_intensity, intensity / 50 - 0.5f), add(signed_intensity, ring);
+    add(signed_four, intensity / 50 - 0.5f);
+    add(rings_last, intensity), add(rings_last, t), add(rings_last, ring);
+    add(packed, intensity), add(packed, uint32_t(33000 * k)), add(packed, uint32_t(k % 16));
+    for (const float v : {xyz[0], xyz[1], xyz[2], intensity}) {
+      add(doubles, double(v) + 1e-9);
+      std::string bytes;
+      add(bytes, v);
+      big.append(bytes.rbegin(), bytes.rend());
+      add(counts, uint16_t(20000 + 200 * v));
+    }
+  }
+  EXPECT_NE(reason(five).find("5 columns"), std::string::npos);
+  EXPECT_NE(reason(signed_intensity).find("5 columns"), std::string::npos);
+  EXPECT_NE(reason(rings_last).find("6 columns"), std::string::npos);
+  EXPECT_NE(reason(doubles).find("64-bit"), std::string::npos);
+  for (const std::string& bytes : {big, packed, counts}) {
+    EXPECT_NE(reason(bytes).find("no 32-bit floats"), std::string::npos);
+  }
+  EXPECT_EQ(reason(signed_four), "");
+  EXPECT_EQ(read_bin(folder / "a.bin").size(), 3000u);
+  put_bytes(folder / "a.bin", doubles);
+  EXPECT_THROW(read_bin(folder / "a.bin", {"x", "y", "z", "intensity"}), FormatError);
+}
+
+TEST(Csv, LinesAboveTheRowsAreUnderstood) {
+  const TemporaryFolder folder;
+  for (const char* text : {"# a scan of mine\n# 2024\nx y z e\n1 2 3 9\n4 5 6 9\n",
+                           "# exported by FARO Scene 2019\n1 2 3 9\n4 5 6 9\n",
+                           "# x y z e\n# a line of prose behind it\n1 2 3 9\n4 5 6 9\n",
+                           "X [m],Y [m],Z [m],E []\n1,2,3,9\n4,5,6,9\n",
+                           ",x,y,z,e\n0,1,2,3,9\n1,4,5,6,9\n", "x,y,z,e,\n1,2,3,9,\n4,5,6,9,\n",
+                           "x,y,z,e,\n1,2,3,9\n4,5,6,9\n", "x,y,z,e\n1,2,3,9,\n4,5,6,9,\n"}) {
+    put_bytes(folder / "a.csv", text);
+    const Table table = read_csv(folder / "a.csv");
+    ASSERT_EQ(table.size(), 2u) << text;
+    EXPECT_EQ(table.columns.size(), 4u) << text;
+    EXPECT_EQ(doubles_of(*table.find({"y"})), (std::vector<double>{2, 5})) << text;
+  }
+  put_bytes(folder / "a.csv", "x,y,z,t [us]\n1,2,3,9\n");
+  EXPECT_TRUE(read_csv(folder / "a.csv").find({"t_us"}));
+  put_bytes(folder / "a.csv", "x [mm],y [mm],z [mm]\n1,2,3\n");
+  EXPECT_FALSE(read_csv(folder / "a.csv").find({"x"}));
+  for (const char* text : {"-6,71;0,5;-1,8\n", "x;y;z\n-6,71;0,5;-1,8\n", "x\ty\tz\n1,5\t2\t3\n"}) {
+    put_bytes(folder / "a.csv", text);
+    EXPECT_NE(reason_of([&] { read_csv(folder / "a.csv"); }).find("decimal commas"),
+              std::string::npos)
+        << text;
+  }
+}
+
+TEST(Scans, NamesThatAreMissingAreAskedFor) {
+  Table table;
+  for (const char* name : {"pos_x", "pos_y", "pos_z"}) {
+    table.columns.emplace_back(name, std::vector<double>{1, 2});
+  }
+  std::map<std::string, size_t> skipped;
+  const std::string reason =
+      reason_of([&] { scan_from_table("a.csv", std::move(table), {}, skipped); });
+  EXPECT_NE(reason.find("pos_x, pos_y, pos_z: --columns"), std::string::npos) << reason;
+}
+
+TEST(Scans, TimesHaveManyNames) {
+  for (const char* name : {"ts", "timestamps", "point_time", "rel_time", "dt", "scalar_ts"}) {
+    Table table;
+    for (const char* axis : {"x", "y", "z"}) {
+      table.columns.emplace_back(axis, std::vector<double>(101, 5));
+    }
+    table.columns.emplace_back(name, spread(0, 0.1));
+    std::map<std::string, size_t> skipped;
+    const PointScan scan = scan_from_table("f", std::move(table), {}, skipped);
+    ASSERT_EQ(scan.time_s.size(), 101u) << name;
+    EXPECT_NEAR(scan.time_s[50], 0.05, 1e-9) << name;
+  }
+}
+
+TEST(Scans, FloatsHaveSteps) {
+  Table table;
+  table.columns.emplace_back("x", std::vector<float>{1, 5.4e6f, NAN});
+  table.columns.emplace_back("y", std::vector<double>{1, 9e9, 1});
+  EXPECT_EQ(table.step(), 0.5);
+  table.columns[0].second = std::vector<double>{1, 5.4e6, 1};
+  EXPECT_EQ(table.step(), 0);
+}
+
+TEST(RayCloud, NormalsAreNoRays) {
+  const TemporaryFolder folder;
+  const auto read = [&](double shortest, double longest) {
+    std::string s =
+        "ply\nformat binary_little_endian 1.0\nelement vertex 100\nproperty double x\nproperty "
+        "double y\n"
+        "property double z\nproperty double time\nproperty float nx\nproperty float ny\n"
+        "property float nz\nend_header\n";
+    for (int k = 0; k < 100; ++k) {
+      const double length = shortest + (longest - shortest) * k / 99;
+      for (const double v : {double(k), 0.0, 0.0, double(k)}) add(s, v);
+      for (const double v : {0.0, 0.6, 0.8}) add(s, float(v * length));
+    }
+    put_bytes(folder / "a.ply", s);
+    return reason_of([&] { LogReader(folder / "a.ply"); });
+  };
+  for (const auto& [shortest, longest] : {std::pair(1.0, 1.0), {0.993, 1.006}, {0.75, 1.0}}) {
+    EXPECT_NE(read(shortest, longest).find("normals"), std::string::npos) << shortest;
+  }
+  EXPECT_EQ(read(0.1, 1.0), "") << "a short range";
+  EXPECT_EQ(read(0.9, 1.5), "");
 }
 
 TEST(Csv, NamesAreOptionalAndCountsLeftOut) {

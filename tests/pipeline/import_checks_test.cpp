@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/pipeline/copies.hpp"
 
 namespace underbrush::pipeline {
 namespace {
@@ -77,6 +78,70 @@ TEST(ImportChecks, MillimetresAreWarnedOf) {
   EXPECT_EQ(warning_of_ranges(scan_of(sensor::load("velodyne-vlp16"))), "");
   EXPECT_NE(warning_of_ranges(scan_of(sensor::load("velodyne-vlp16"), 20000)).find("--unit mm"),
             std::string::npos);
+}
+
+TEST(ImportChecks, TimesThatTellNoMotionAreFound) {
+  PointScan scan = scan_of(sensor::load("velodyne-vlp16"));
+  EXPECT_EQ(coarse_times(scan), 0u) << "there are none";
+  scan.time_s.assign(scan.size(), 0);
+  EXPECT_EQ(coarse_times(scan), 1u);
+  for (size_t i = 0; i < scan.size(); ++i) scan.time_s[i] = float(1.6e9 + 1e-4 * double(i));
+  EXPECT_EQ(coarse_times(scan), 1u) << "steps of 128 s";
+  for (size_t i = 0; i < scan.size(); ++i) scan.time_s[i] = 1e-4 * double(i / 16);
+  EXPECT_EQ(coarse_times(scan), 0u);
+}
+
+TEST(Copies, OneOfEachStays) {
+  PointScan scan;
+  for (int k = 0; k < 100; ++k) {  // The last return of every tenth pulse is another one.
+    for (const bool last : {false, true}) {
+      scan.point.push_back(Vec3f(5.f + float(k), 1, last && k % 10 == 0 ? 2.f : 1.f));
+      scan.time_s.push_back(1e-3 * k);
+      scan.intensity.push_back(float(k));
+      scan.ring.push_back(uint16_t(k % 16));
+    }
+  }
+  EXPECT_NEAR(share_of_copies(scan), 0.45, 1e-12);
+  PointScan others = scan;
+  EXPECT_EQ(remove_copies(scan), 90u);
+  EXPECT_EQ(scan.size(), 110u);
+  EXPECT_EQ(scan.intensity[2], 1);
+  others.time_s.clear();
+  EXPECT_EQ(share_of_copies(others), 0) << "nothing tells a pulse";
+}
+
+/// Rings on flat ground, which are the same from every place.
+class OpenGround : public ScanSource {
+ public:
+  size_t size() const override { return 3; }
+  PointScan read(size_t) override {
+    PointScan scan;
+    for (int ring = 0; ring < 8; ++ring) {
+      for (int k = 0; k < 180; ++k) {
+        const double a = 2 * M_PI * k / 180, r = 4 + 3 * ring;
+        scan.point.push_back(Vec3f(float(r * std::cos(a)), float(r * std::sin(a)), -1.8f));
+      }
+    }
+    return scan;
+  }
+  const Trajectory& trajectory() const override { return path_; }
+  const std::map<std::string, size_t>& skipped() const override { return skipped_; }
+
+ private:
+  Trajectory path_;
+  std::map<std::string, size_t> skipped_;
+};
+
+TEST(ImportChecks, OpenGroundShowsNoMillimetres) {
+  OpenGround ground;
+  const auto warned = [&](double step_m) {
+    std::vector<ScanInfo> scans;
+    for (uint32_t k = 0; k < 3; ++k) scans.push_back({k, 0.1 * k, {}});
+    for (uint32_t k = 0; k < 3; ++k) scans[k].world_from_sensor.translation.x() = step_m * k;
+    return warning_of_overlap(ground, scans);
+  };
+  EXPECT_EQ(warned(0.6), "");
+  EXPECT_NE(warned(50).find("mm"), std::string::npos);
 }
 
 }  // namespace

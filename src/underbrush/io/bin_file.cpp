@@ -12,9 +12,16 @@ namespace {
 
 constexpr size_t kFewest = 3, kUsual = 4, kMost = 8;
 constexpr size_t kLooked = 1 << 16;  // values at the head of the file
+constexpr size_t kEnough = 200;      // values; fewer tell nothing
 const std::vector<std::string>& usual_names() {
   static const std::vector<std::string> kNames{"x", "y", "z", "intensity", "ring", "time"};
   return kNames;
+}
+
+/// Whether a number is a coordinate, an intensity, a ring or a time, as far as its size tells.
+bool is_usual(double v) {
+  constexpr double kLeast = 1e-20, kGreatest = 1e7;
+  return std::isnan(v) || v == 0 || (std::abs(v) > kLeast && std::abs(v) < kGreatest);
 }
 
 /// The values of a file of 32-bit floats, little-endian.
@@ -24,7 +31,7 @@ class Values {
   size_t size() const { return bytes_.size() / 4; }
   float at(size_t i) const { return load<float>(bytes_.data() + 4 * i); }
 
-  /// Whether columns behind x y z hold an intensity, and a ring as a fifth.
+  /// Whether columns behind x y z hold an intensity, a ring as a fifth, and a time as a sixth.
   bool makes_sense(size_t columns) const {
     for (size_t i = 0; i < std::min(size(), kLooked) / columns * columns; ++i) {
       const float v = at(i);
@@ -49,47 +56,67 @@ class Values {
     return used > 0 ? sum / double(used) : 1;
   }
 
+  /// Throws `FormatError` where the bytes are those of other numbers.
+  void check(const std::string& file) const {
+    constexpr double kFew = 0.01;
+    const size_t n = std::min(size(), kLooked);
+    if (n < kEnough) return;
+    size_t strange = 0, doubles = 0;
+    for (size_t i = 0; i < n; ++i) strange += !is_usual(double(at(i)));
+    for (size_t i = 0; i + 1 < n; i += 2) doubles += is_usual(load<double>(bytes_.data() + 4 * i));
+    if (double(strange) < kFew * double(n)) return;
+    throw FormatError(
+        file, "",
+        double(doubles) > (1 - kFew) * double(n / 2)
+            ? "holds 64-bit floats, where a .bin file holds 32-bit ones: write it as float32"
+            : "its values are no 32-bit floats, little-endian, alone: as of rows with whole "
+              "numbers "
+              "in them; write it as float32, or as .npy or .pcd, which name their columns");
+  }
+
  private:
   std::string_view bytes_;
 };
 
-/// A number of columns that is not ours to name and fits clearly better than `best`; 0 for none.
-size_t other_columns(const Values& values, double best, double clear) {
-  for (const size_t k : {3, 7, 8}) {
-    if (values.size() % k == 0 && values.unlikeness(k) < clear * best) return k;
-  }
-  return 0;
-}
+constexpr const char* kNameThem =
+    " columns of floats: name them, as in --columns x,y,z,intensity,ring";
 
-/// Tells the number of columns from the values: four, unless another number fits and four does not.
+/// Tells the number of columns from the values: the one with which rows resemble each other most,
+/// if the columns are the usual ones then. A few values are four columns.
 size_t columns_of(const std::string& file, const Values& values) {
-  constexpr size_t kEnough = 200;  // values; fewer tell nothing
   constexpr double kClear = 0.85;  // of the next best unlikeness
-  std::vector<std::pair<double, size_t>> fit;
-  for (size_t k = kUsual; k <= 6; ++k) {
-    if (values.size() % k == 0 && values.makes_sense(k)) fit.emplace_back(values.unlikeness(k), k);
-  }
-  std::sort(fit.begin(), fit.end());
-  const bool few = values.size() < kEnough;
-  const double best = fit.empty() ? values.unlikeness(kUsual) : fit[0].first;
-  if (const size_t other = few ? 0 : other_columns(values, best, kClear)) {
-    throw FormatError(
-        file, "",
-        std::to_string(other) + " columns of floats: name them, as in --columns x,y,z,intensity");
-  }
-  if (few || fit.empty()) {
+  if (values.size() < kEnough) {
     if (values.size() % kUsual == 0) return kUsual;
-  } else if (fit.size() == 1 || fit[0].first < kClear * fit[1].first) {
-    return fit[0].second;
-  }
-  if (few || fit.empty()) {
     throw FormatError(file, "byte " + std::to_string(values.size() / kUsual * 16),
                       "a point is 16 bytes, the file ends inside one: truncated, or not of 4 "
                       "columns; then name them, as in --columns x,y,z,intensity,ring");
   }
-  throw FormatError(file, "",
-                    std::to_string(fit[0].second) + " or " + std::to_string(fit[1].second) +
-                        " columns of floats: name them, as in --columns x,y,z,intensity");
+  std::vector<std::pair<double, size_t>> usual, other;
+  for (size_t k = kFewest; k <= kMost; ++k) {
+    if (values.size() % k != 0) continue;
+    const bool known = k >= kUsual && k <= usual_names().size() && values.makes_sense(k);
+    (known ? usual : other).emplace_back(values.unlikeness(k), k);
+  }
+  std::sort(usual.begin(), usual.end());
+  std::sort(other.begin(), other.end());
+  const double best = usual.empty() ? 1 : usual[0].first;
+  if (!other.empty() && other[0].first < (usual.empty() ? 1 : kClear) * best) {
+    const bool clear = other.size() == 1 || other[0].first < kClear * other[1].first;
+    // Four columns are x y z and an intensity of any sign.
+    if (clear && other[0].second == kUsual) return kUsual;
+    throw FormatError(file, "", (clear ? std::to_string(other[0].second) : "3 to 8") + kNameThem);
+  }
+  if (usual.empty()) {
+    throw FormatError(file, "byte " + std::to_string(values.size() / kUsual * 16),
+                      "a point is 16 bytes, the file ends inside one: truncated, or not of 4 "
+                      "columns; then name them, as in --columns x,y,z,intensity,ring");
+  }
+  if (usual.size() > 1 && usual[0].first >= kClear * usual[1].first) {
+    throw FormatError(
+        file, "",
+        std::to_string(usual[0].second) + " or " + std::to_string(usual[1].second) + kNameThem);
+  }
+  return usual[0].second;
 }
 
 }  // namespace
@@ -98,10 +125,12 @@ Table read_bin(const std::filesystem::path& path, const std::vector<std::string>
   const std::string bytes = read_file(path);
   const Values values(bytes);
   size_t columns = names.size();
+  values.check(path.string());
   if (columns == 0) {
     if (bytes.size() % 4 != 0) {
       throw FormatError(path.string(), "byte " + std::to_string(bytes.size() / 16 * 16),
-                        "a value is 4 bytes, the file ends inside one: truncated");
+                        "a value is 4 bytes, the file ends inside one: truncated, or of other "
+                        "numbers than 32-bit floats");
     }
     columns = columns_of(path.string(), values);
   }

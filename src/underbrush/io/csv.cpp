@@ -44,6 +44,37 @@ char separator_of(std::string_view header) {
   return ' ';
 }
 
+/// A line of names without the units in brackets that are ours. Units of time become part of the
+/// name, as in time_ns; others stay, and so the name is not known.
+std::string without_units(std::string_view line) {
+  std::string out;
+  for (size_t at = 0; at < line.size(); ++at) {
+    const size_t end =
+        line[at] == '[' || line[at] == '(' ? line.find_first_of("])", at) : line.npos;
+    if (end == line.npos) {
+      out += line[at];
+      continue;
+    }
+    const std::string unit = lower(std::string(trimmed(line.substr(at + 1, end - at - 1))));
+    const bool time = unit == "ns" || unit == "us" || unit == "ms";
+    const bool ours = time || unit.empty() || unit == "m" || unit == "s" || unit == "-";
+    while (!out.empty() && out.back() == ' ') out.pop_back();
+    out += !ours ? "[" + unit + "]" : time ? "_" + unit : "";
+    at = end;
+  }
+  return out;
+}
+
+/// Whether a line has numbers with decimal commas.
+bool has_decimal_commas(std::string line) {
+  std::ranges::replace(line, ',', '.');
+  std::ranges::replace(line, ';', ' ');
+  const auto words = words_of(line);
+  return words.size() > 1 &&
+         std::ranges::all_of(words, [](const auto& word) { return number_of(word).has_value(); });
+}
+constexpr const char* kDecimalCommas = "decimal commas: write the numbers with decimal points";
+
 // Whole numbers become int32, or uint32 where that is too narrow; other columns stay double.
 ExtraColumn narrowed(std::vector<double> values) {
   const auto fits = [&](double least, double most) {
@@ -76,9 +107,11 @@ class CsvReader {
 
   void take(size_t line_number, std::string_view line) {
     line_number_ = line_number;
+    line_ = line;
     if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    if (trimmed(line).empty()) return;
     if (names_.empty() || (given_ && columns_.empty())) return begin(line);
-    if (trimmed(line).empty() || line[0] == '#') return;
+    if (line[0] == '#') return;
     split(line, separator_, cells_);
     // CloudCompare writes the number of points below the names.
     const bool first = columns_[0].empty();
@@ -87,11 +120,20 @@ class CsvReader {
   }
 
   Table finish() {
-    if (names_.empty()) throw FormatError(file_, "", "an empty file");
+    if (names_.empty()) {
+      throw FormatError(file_, "",
+                        comments_.empty() ? "an empty file" : "no rows of numbers in it");
+    }
     Table table;
     table.notes = std::move(notes_);
     columns_.resize(names_.size());
     for (size_t c = 0; c < names_.size(); ++c) {
+      if (names_[c].empty()) {
+        table.notes.push_back(
+            "column " + std::to_string(c + 1) +
+            " has no name and is left out: a table's index, or a comma at the end");
+        continue;
+      }
       table.columns.emplace_back(names_[c], is_coordinate_or_time(names_[c])
                                                 ? ExtraColumn(std::move(columns_[c]))
                                                 : narrowed(std::move(columns_[c])));
@@ -111,48 +153,82 @@ class CsvReader {
 
   void add_name(std::string_view cell) {
     std::string name = lower(std::string(cell));
-    if (!seen_.insert(name).second) fail("a column twice");
+    if (!name.empty() && !seen_.insert(name).second) fail("a column twice");
     names_.push_back(std::move(name));
+  }
+
+  /// Takes the names of a line of names.
+  void add_names(std::string_view line) {
+    const std::string plain = without_units(line);
+    split(plain, separator_of(plain), cells_);
+    for (const auto& cell : cells_) add_name(cell);
+    columns_.resize(names_.size());
+  }
+
+  /// Takes the names of the last comment above the first row that has as many names as that has
+  /// values; the first three are x y z if there is none.
+  void name_columns(size_t count) {
+    for (auto comment = comments_.rbegin(); comment != comments_.rend(); ++comment) {
+      const std::string plain = without_units(*comment);
+      std::vector<std::string_view> cells;
+      split(plain, separator_of(plain), cells);
+      const bool number =
+          std::ranges::any_of(cells, [](const auto& cell) { return number_of(cell).has_value(); });
+      if (cells.size() == count && !number) return add_names(*comment);
+    }
+    if (count < 3) fail("expected a line with the columns' names");
+    for (size_t c = 0; c < count; ++c) {
+      add_name(c < 3 ? std::string(1, char('x' + c)) : "column_" + std::to_string(c + 1));
+    }
+    notes_.emplace_back(
+        "no line names the columns: the first three are taken to be x y z "
+        "(--columns names them)");
   }
 
   /// Takes the line of the names, or the first row of a file that has none.
   void begin(std::string_view line) {
-    const std::string_view whole = line;
-    line = line.substr(std::min(line.find_first_not_of("#/ "), line.size()));
-    if (line.empty()) return;
-    separator_ = separator_of(line);
-    split(line, separator_, cells_);
-    const bool numbers = std::all_of(cells_.begin(), cells_.end(),
-                                     [](const auto& cell) { return number_of(cell).has_value(); });
-    if (!numbers && !given_) {
-      for (const auto& cell : cells_) {
-        if (number_of(cell)) fail("a number among the columns' names");
-        add_name(cell);
-      }
-      columns_.resize(names_.size());
+    if (line[0] == '#' || line.starts_with("//")) {
+      line = line.substr(std::min(line.find_first_not_of("#/ "), line.size()));
+      if (!line.empty()) comments_.emplace_back(line);
       return;
     }
-    if (!numbers || whole[0] == '#' || (cells_.size() == 1 && is_count(cells_[0]))) return;
-    if (!given_) {
-      if (cells_.size() < 3) fail("expected a line with the columns' names");
-      for (size_t c = 0; c < cells_.size(); ++c) {
-        add_name(c < 3 ? std::string(1, char('x' + c)) : "column_" + std::to_string(c + 1));
+    separator_ = separator_of(line);
+    split(line, separator_, cells_);
+    const size_t numbers = size_t(std::ranges::count_if(
+        cells_, [](const auto& cell) { return number_of(cell).has_value(); }));
+    const size_t empty = size_t(std::ranges::count(cells_, std::string_view()));
+    if (numbers == 0 || numbers + empty < cells_.size()) {  // names
+      if (given_) return;
+      if (numbers > 0) {
+        fail(has_decimal_commas(std::string(line)) ? kDecimalCommas
+                                                   : "a number among the columns' names");
       }
-      notes_.emplace_back(
-          "no line names the columns: the first three are taken to be x y z "
-          "(--columns names them)");
+      separator_ = separator_of(without_units(line));
+      return add_names(line);
+    }
+    if (cells_.size() == 1 && is_count(cells_[0])) return;
+    if (!given_) {
+      const std::vector<std::string_view> row = cells_;
+      name_columns(row.size());
+      cells_ = row;
     }
     columns_.resize(names_.size());
     add_row();
   }
 
   void add_row() {
+    if (cells_.size() == names_.size() + 1 && cells_.back().empty()) cells_.pop_back();
+    if (columns_[0].empty() && names_.back().empty() && cells_.size() + 1 == names_.size()) {
+      names_.pop_back();
+      columns_.pop_back();
+    }
     if (cells_.size() != names_.size()) {
       fail("expected " + std::to_string(names_.size()) + " values, found " +
            std::to_string(cells_.size()));
     }
     for (size_t c = 0; c < cells_.size(); ++c) {
       const auto value = cells_[c].empty() ? std::optional<double>(NAN) : number_of(cells_[c]);
+      if (!value && has_decimal_commas(std::string(line_))) fail(kDecimalCommas);
       if (!value) fail("not a number: " + std::string(cells_[c].substr(0, 40)));
       columns_[c].push_back(*value);
     }
@@ -160,11 +236,12 @@ class CsvReader {
 
   const std::string& file_;
   bool given_ = false;  // The names do not come from the file.
-  std::vector<std::string> names_, notes_;
+  std::vector<std::string> names_, notes_, comments_;
   std::set<std::string> seen_;
   std::vector<std::vector<double>> columns_;
   std::vector<std::string_view> cells_;
   char separator_ = ',';
+  std::string_view line_;
   size_t line_number_ = 0;
 };
 

@@ -7,6 +7,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/ply_header.hpp"
+#include "underbrush/io/point_times.hpp"
 
 namespace underbrush::io {
 namespace {
@@ -19,6 +20,14 @@ std::vector<double> take(Table& table, const std::string& name, size_t n, double
     return out;
   }
   return std::vector<double>(n, otherwise);
+}
+
+/// The times of the rows, s: those of "time" as they are, those of other names in their unit.
+std::vector<double> times_of(const std::string& file, Table& table, size_t n) {
+  const std::string name = table.find({"time"}) ? "time" : table.name_of(time_names());
+  if (name.empty() || name == "time") return take(table, "time", n, 0);
+  PointTimes times;
+  return times.seconds(file, name, take(table, name, n, 0), 0);
 }
 
 template <class T>
@@ -47,7 +56,7 @@ BeamLog beams_from_table(const std::string& file, Table table,
   std::array<std::vector<double>, 6> v;
   constexpr const char* kNames[] = {"x", "y", "z", "ox", "oy", "oz"};
   for (size_t c = 0; c < 6; ++c) v[c] = take(table, kNames[c], n, 0);
-  const auto hit = take(table, "hit", n, 1), time = take(table, "time", n, 0),
+  const auto hit = take(table, "hit", n, 1), time = times_of(file, table, n),
              intensity = take(table, "intensity", n, 0);
   BeamLog all;
   all.resize(n);

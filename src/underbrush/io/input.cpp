@@ -83,6 +83,9 @@ class Opener {
     placing_.poses_name = name.string();
   }
   void set_times(std::vector<double> times, const fs::path& name) {
+    if (const std::string unit = use_dates(times); !unit.empty()) {
+      input_.notes.push_back("the times of the scans are taken to be " + unit);
+    }
     placing_.times = std::move(times);
     placing_.times_name = name.string();
   }
@@ -161,7 +164,7 @@ class Opener {
     }
     if (!has_poses() && fs::is_directory(path_ / "oxts" / "data")) use_oxts();
     need_poses();
-    place_scans(list_scans(path_ / "velodyne"), placing_, input_);
+    place_scans(list_scans(path_ / "velodyne", input_.notes), placing_, input_);
   }
 
   /// KITTI's own poses are those of the left camera, which only Tr leads to the lidar.
@@ -188,11 +191,11 @@ class Opener {
     for (Pose& pose : placing_.poses.pose) {
       pose = camera_from_velo->inverse() * pose * *camera_from_velo;
     }
-    std::vector<ScanFile> files = list_scans(path_ / "velodyne");
+    std::vector<ScanFile> files = list_scans(path_ / "velodyne", input_.notes);
     if (fs::is_directory(path_ / "labels")) {
       input_.classes = kSemanticKitti;
       for (ScanFile& file : files) {
-        file.labels = path_ / "labels" / file.path.stem().concat(".label");
+        file.labels = path_ / "labels" / (scan_stem(file.path) + ".label");
       }
     }
     input_.compensated = true;
@@ -212,14 +215,14 @@ class Opener {
     const fs::path folder = path_ / "velodyne_points", stamps = folder / "timestamps.txt";
     if (placing_.times.empty() && fs::exists(stamps)) set_times(read_dates(stamps), stamps);
     if (!has_poses()) use_oxts();
-    place_scans(list_scans(folder / "data"), placing_, input_);
+    place_scans(list_scans(folder / "data", input_.notes), placing_, input_);
   }
 
   void open_folder() {
     default_times();
     const fs::path file = path_ / "poses.txt";
     if (!has_poses() && fs::exists(file)) set_poses(read_poses(file), file);
-    std::vector<ScanFile> files = list_scans(path_);
+    std::vector<ScanFile> files = list_scans(path_, input_.notes);
     need_poses();
     place_scans(std::move(files), placing_, input_);
   }

@@ -39,6 +39,9 @@ struct Input {
   std::vector<std::string> notes;    ///< Assumptions that the reader made, one line each.
   /// Returns the assumptions that were made while scans were read; empty where there are none.
   std::function<std::vector<std::string>()> read_notes;
+  /// Returns what was found while scans were read that makes the points wrong; empty where nothing
+  /// was.
+  std::function<std::vector<std::string>()> read_warnings;
   std::string provenance;  ///< Provenance JSON; only Underbrush's own logs have one.
   std::string classes;     ///< Label set of the scans' labels, as in `LogInfo::classes`.
   /// Returns how many records were left out so far, by reason.

@@ -11,6 +11,7 @@ namespace underbrush::io {
 namespace {
 
 constexpr double kLongestOffset = 100;  // s; a larger time is not an offset within a scan
+constexpr double kLongestScan = 1e4;    // s
 constexpr double kFirstDate = 1e9, kLastDate = 4.2e9;  // s since 1970: the years 2001 to 2103
 
 struct Unit {
@@ -39,9 +40,11 @@ std::string shown(const Unit& unit) { return unit.seconds == 1e-6 ? "µs" : unit
 
 const std::vector<std::string>& time_names() {
   static const std::vector<std::string> kNames = [] {
-    std::vector<std::string> names{"t",          "time",         "timestamp",  "time_stamp",
-                                   "stamp",      "time_offset",  "timeoffset", "offset_time",
-                                   "offsettime", "adjustedtime", "gps_time",   "gpstime"};
+    std::vector<std::string> names{"t",          "time",          "timestamp",  "time_stamp",
+                                   "stamp",      "time_offset",   "timeoffset", "offset_time",
+                                   "offsettime", "adjustedtime",  "gps_time",   "gpstime",
+                                   "ts",         "timestamps",    "times",      "point_time",
+                                   "rel_time",   "relative_time", "time_rel",   "dt"};
     const size_t plain = names.size();
     for (size_t k = 0; k < plain; ++k) {
       for (const Unit& unit : kUnits) names.push_back(names[k] + "_" + unit.name);
@@ -55,7 +58,7 @@ bool PointTimes::fits(double span_s, bool usual) const {
   if (period_s_ > 0) {
     return span_s <= 1.3 * period_s_ && span_s >= std::min(0.05 * period_s_, 0.02);
   }
-  return usual ? span_s >= 1e-3 : span_s >= 0.01 && span_s <= 1;
+  return usual ? span_s >= 1e-3 && span_s <= kLongestScan : span_s >= 0.01 && span_s <= 1;
 }
 
 double PointTimes::unit_of(const std::string& file, const std::string& name, bool whole,

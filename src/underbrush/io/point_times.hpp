@@ -14,8 +14,8 @@ namespace underbrush::io {
 /// A name that ends in _ns, _us, _ms or _s gives the unit. Whole numbers are ns and others s, if
 /// that fits: the times of a scan span at most 1.3 of the period and at least a twentieth of it or
 /// 20 ms. Else the unit is the one of ns, µs, ms and s that fits, or the values are shares of the
-/// scan's period. Where the period is not known, times of 1 ms and more fit in the usual unit, and
-/// 10 ms to 1 s in others.
+/// scan's period. Where the period is not known, times of 1 ms to 10 000 s fit in the usual unit,
+/// and 10 ms to 1 s in others.
 class PointTimes {
  public:
   /// `period_s` is the spacing of the scans, s; 0 = not known.

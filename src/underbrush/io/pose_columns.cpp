@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -29,17 +30,38 @@ std::vector<std::string> names_in(std::string_view line) {
   return names;
 }
 
+/// The unit (s) of a column that counts the parts of a second; 0 for other columns.
+double part_of_second(std::string name) {
+  for (const char* end : {"onds", "ond", "s"}) {
+    if (!name.ends_with(std::string("sec") + end)) continue;
+    name.resize(name.size() - std::string_view(end).size());
+  }
+  for (const auto& [unit, seconds] :
+       {std::pair("n", 1e-9), {"nano", 1e-9}, {"u", 1e-6}, {"micro", 1e-6}, {"m", 1e-3}}) {
+    const std::string word = unit + std::string("sec");
+    if (name == word || name.ends_with("." + word) || name.ends_with("_" + word)) return seconds;
+  }
+  return 0;
+}
+
 /// Which of t x y z qx qy qz qw the name means; 8 for none of these.
 size_t meaning_of(const std::string& name) {
   const auto has = [&](const char* part) { return name.find(part) != std::string::npos; };
-  for (const char* other : {"v_", "w_", "a_", "b_"}) {  // velocities, rates and biases
+  for (const char* other :
+       {"v_", "w_", "a_", "b_", "vel", "acc", "ang", "index"}) {  // rates and biases
     if (name.starts_with(other)) return 8;
   }
-  if (has("time") || has("stamp") || name == "t" || name == "sec" || name == "seconds") return 0;
+  const bool is_time = has("time") || has("stamp") || part_of_second(name) > 0;
+  if (is_time || name == "t" || name == "sec" || name == "secs" || name == "seconds") return 0;
+  const bool turns = has("q") || has("rot") || has("orient") || name.size() == 1;
+  const char before = name.size() > 1 ? name[name.size() - 2] : 'q';
+  const size_t imaginary = std::string_view("ijkr").find(name.back());
+  if (turns && imaginary < 4 && name != "r" && (before == 'q' || before == '_')) {
+    return 4 + imaginary;
+  }
   const size_t axis = std::string_view("xyzw").find(name.back());
   if (axis == std::string_view::npos) return 8;
-  const bool turns = has("q") || has("rot") || has("orient") || axis == 3;
-  return turns ? 4 + axis : 1 + axis;
+  return axis == 3 || (turns && name.size() > 1) ? 4 + axis : 1 + axis;
 }
 
 }  // namespace
@@ -51,12 +73,42 @@ std::optional<PoseColumns> pose_columns_of(std::string_view line) {
   for (size_t c = 0; c < names.size(); ++c) {
     const size_t what = meaning_of(names[c]);
     if (what == 8) continue;
+    // Parts of a second are the time only where no other column is.
+    if (what == 0 && part_of_second(names[c]) > 0 && columns[0] != names.size()) continue;
+    if (what == 0 && columns[0] < c && part_of_second(names[columns[0]]) > 0) {
+      columns[0] = c;
+      continue;
+    }
     if (columns[what] != names.size()) return std::nullopt;
     columns[what] = c;
+  }
+  // The one name of eight that is not known is that of the time.
+  const auto missing = std::count(columns.begin(), columns.end(), names.size());
+  if (names.size() == 8 && missing == 1 && columns[0] == names.size()) {
+    columns[0] = 28 - std::accumulate(columns.begin() + 1, columns.end(), size_t(0));
   }
   const bool all =
       std::all_of(columns.begin(), columns.end(), [&](size_t c) { return c < names.size(); });
   return all ? std::optional(columns) : std::nullopt;
+}
+
+std::optional<std::pair<size_t, double>> seconds_part_of(std::string_view line) {
+  const std::vector<std::string> names = names_in(line);
+  const std::optional<PoseColumns> columns = pose_columns_of(line);
+  for (size_t c = 0; c < names.size() && columns; ++c) {
+    const double unit = part_of_second(names[c]);
+    if (unit > 0 && c != (*columns)[0]) return std::pair(c, unit);
+  }
+  return std::nullopt;
+}
+
+bool names_positions(std::string_view line, size_t columns) {
+  const std::vector<std::string> names = names_in(line);
+  const auto has = [&](size_t what) {
+    return std::any_of(names.begin(), names.end(),
+                       [=](const std::string& name) { return meaning_of(name) == what; });
+  };
+  return names.size() == columns && has(1) && has(2) && has(3);
 }
 
 }  // namespace underbrush::io

@@ -48,18 +48,6 @@ std::optional<Pose> pose_from_tum(const std::vector<double>& v, const PoseColumn
   return pose;
 }
 
-/// Dates from 2001 on in ms, µs or ns become s.
-void use_seconds(std::vector<double>& times, std::vector<std::string>& notes) {
-  if (times.empty()) return;
-  const auto [low, high] = std::minmax_element(times.begin(), times.end());
-  for (const auto& [name, unit] : {std::pair("ms", 1e-3), {"µs", 1e-6}, {"ns", 1e-9}}) {
-    if (!(*low * unit > 1e9 && *high * unit < 4.2e9)) continue;
-    for (double& t : times) t *= unit;
-    notes.push_back(std::string("the times of the poses are taken to be ") + name + " since 1970");
-    return;
-  }
-}
-
 /// Reads the rows of a file of poses with quaternions.
 PoseList quaternion_poses(const fs::path& path, const NumberRows& numbers,
                           const PoseColumns& columns) {
@@ -80,7 +68,7 @@ PoseList quaternion_poses(const fs::path& path, const NumberRows& numbers,
 }
 
 /// Reads the rows of a file of poses with matrices, which may have a time before them.
-PoseList matrix_poses(const fs::path& path, const NumberRows& numbers) {
+PoseList matrix_poses(const fs::path& path, const NumberRows& numbers, const std::string& unknown) {
   PoseList out;
   out.numbered = numbers.rows[0].size() == 13;
   for (size_t i = 0; i < numbers.rows.size(); ++i) {
@@ -92,7 +80,7 @@ PoseList matrix_poses(const fs::path& path, const NumberRows& numbers) {
     std::array<double, 12> rows{};
     std::copy_n(row.end() - 12, 12, rows.begin());
     const std::optional<Pose> pose = pose_from_rows(rows);
-    if (!pose) fail("not a rotation, or a position beyond 67 108 km");
+    if (!pose) fail("not a rotation, or a position beyond 67 108 km" + unknown);
     out.pose.push_back(*pose);
     if (row.size() == 13) out.time_s.push_back(row[0]);
     out.numbered = out.numbered && row[0] >= 0 && row[0] < 1e7 && row[0] == std::floor(row[0]);
@@ -100,15 +88,28 @@ PoseList matrix_poses(const fs::path& path, const NumberRows& numbers) {
   return out;
 }
 
-/// The order of the columns by the lines above the rows, where each has a place in a row.
-std::optional<PoseColumns> named_columns(const NumberRows& numbers) {
+/// The line above the rows that names their columns, each of which has a place in a row; "" if
+/// there is none.
+std::string_view line_of_names(const NumberRows& numbers) {
   for (const std::string& head : numbers.heads) {
     const std::optional<PoseColumns> columns = pose_columns_of(head);
     if (!columns) continue;
     const size_t last = *std::max_element(columns->begin(), columns->end());
-    if (last < numbers.rows[0].size()) return columns;
+    if (last < numbers.rows[0].size()) return head;
   }
-  return std::nullopt;
+  return "";
+}
+
+/// What the names of the columns add to an error, where they are not understood.
+std::string unknown_names(const NumberRows& numbers) {
+  const size_t n = numbers.rows[0].size();
+  for (const std::string& head : numbers.heads) {
+    const bool as_many = n != 8 && words_of(head).size() == n;
+    if (!as_many && !names_positions(head, n)) continue;
+    return ": its header '" + printable(head, 60) +
+           "' does not name t x y z qx qy qz qw, which are the columns of poses without a matrix";
+  }
+  return "";
 }
 
 }  // namespace
@@ -129,21 +130,32 @@ std::optional<Pose> pose_from_rows(const std::array<double, 12>& rows) {
 PoseList read_poses(const fs::path& path) {
   constexpr PoseColumns kTum{0, 1, 2, 3, 4, 5, 6, 7};
   const NumberRows numbers = read_numbers(path);
-  const std::optional<PoseColumns> named = named_columns(numbers);
+  const std::string_view names = line_of_names(numbers);
+  const std::optional<PoseColumns> named = pose_columns_of(names);
   const size_t n = numbers.rows[0].size();
-  if (!named && n != 8 && n != 12 && n != 13) {
+  const std::string unknown = named ? "" : unknown_names(numbers);
+  if (!named && ((n != 8 && n != 12 && n != 13) || (n == 8 && !unknown.empty()))) {
     throw FormatError(path.string(), "line " + std::to_string(numbers.line[0]),
-                      "expected 8 (TUM), 12 (KITTI) or 13 numbers, found " + std::to_string(n));
+                      n == 8 ? "which number of the quaternions is w is not known" + unknown
+                             : "expected 8 (TUM), 12 (KITTI) or 13 numbers, found " +
+                                   std::to_string(n) + unknown);
   }
   const bool quaternions = named || n == 8;
   PoseList out = quaternions ? quaternion_poses(path, numbers, named.value_or(kTum))
-                             : matrix_poses(path, numbers);
+                             : matrix_poses(path, numbers, unknown);
+  if (const auto part = seconds_part_of(names)) {
+    for (size_t i = 0; i < out.time_s.size(); ++i) {
+      out.time_s[i] += part->second * numbers.rows[i][part->first];
+    }
+  }
   if (named && *named != kTum) {
     const bool first = (*named)[7] < (*named)[4];
     out.notes.push_back(first ? "the poses' quaternions are qw qx qy qz, as their header says"
                               : "the poses' columns are in the order that their header says");
   }
-  use_seconds(out.time_s, out.notes);
+  if (const std::string unit = use_dates(out.time_s); !unit.empty()) {
+    out.notes.push_back("the times of the poses are taken to be " + unit);
+  }
   check_unique(path, out.time_s);
   return out;
 }
@@ -176,6 +188,17 @@ Trajectory read_trajectory(const fs::path& path) {
   std::vector<StampedPose> poses(list.pose.size());
   for (size_t i = 0; i < poses.size(); ++i) poses[i] = {list.time_s[i], list.pose[i]};
   return Trajectory(std::move(poses));
+}
+
+std::string use_dates(std::vector<double>& times) {
+  if (times.empty()) return "";
+  const auto [low, high] = std::minmax_element(times.begin(), times.end());
+  for (const auto& [name, unit] : {std::pair("ms", 1e-3), {"µs", 1e-6}, {"ns", 1e-9}}) {
+    if (!(*low * unit > 1e9 && *high * unit < 4.2e9)) continue;
+    for (double& t : times) t *= unit;
+    return std::string(name) + " since 1970";
+  }
+  return "";
 }
 
 std::vector<double> read_times(const fs::path& path) {

@@ -36,6 +36,10 @@ Trajectory read_trajectory(const std::filesystem::path& path);
 /// one within 0.005.
 std::optional<Pose> pose_from_rows(const std::array<double, 12>& rows);
 
+/// Turns times that are dates from 2001 on in ms, µs or ns into s. Returns what they were, such as
+/// "ns since 1970"; "" for all others, which stay.
+std::string use_dates(std::vector<double>& times);
+
 /// Reads a file with one time (s) for each line. Throws `FormatError` unless they ascend.
 std::vector<double> read_times(const std::filesystem::path& path);
 /// Reads a file with one date for each line ("YYYY-MM-DD hh:mm:ss.nnnnnnnnn") as seconds since

@@ -1,37 +1,23 @@
 #include "underbrush/io/scan_folder.hpp"
 
 #include <algorithm>
-#include <charconv>
+#include <array>
 #include <cmath>
-#include <set>
+#include <cstdio>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
+#include "underbrush/io/gzip.hpp"
 #include "underbrush/io/ply_header.hpp"
 #include "underbrush/io/point_times.hpp"
+#include "underbrush/io/pose_gaps.hpp"
 #include "underbrush/io/table.hpp"
-#include "underbrush/io/text.hpp"
 
 namespace underbrush::io {
 namespace fs = std::filesystem;
 namespace {
 
 constexpr double kFramePeriod = 0.1;  // s; assumed where no times are known.
-
-bool all_digits(const std::string& text) {
-  return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
-}
-
-std::optional<double> time_in_name(const std::string& stem) {
-  if (stem.size() == 19 && all_digits(stem)) return std::stod(stem) * 1e-9;
-  const size_t mark = stem.find_first_of("_.");
-  if (mark == std::string::npos || mark < 9) return std::nullopt;
-  const std::string seconds = stem.substr(0, mark), fraction = stem.substr(mark + 1);
-  if (!all_digits(seconds) || !all_digits(fraction)) return std::nullopt;
-  // Digits behind "_" are nanoseconds; digits behind "." are a decimal fraction.
-  if (stem[mark] == '_') return std::stod(seconds) + std::stod(fraction) * 1e-9;
-  return std::stod(stem);
-}
 
 void add_labels(const fs::path& path, PointScan& scan) {
   const std::string bytes = read_file(path);
@@ -50,18 +36,21 @@ void add_labels(const fs::path& path, PointScan& scan) {
 }
 
 constexpr const char* kEmptyScans = "empty scans: files without a point";
+constexpr const char* kInGaps = "scans in gaps of the poses";
 
 class ScanFolder : public ScanSource {
  public:
   ScanFolder(std::vector<ScanFile> files, std::vector<ScanInfo> infos, Trajectory trajectory,
-             const ScanPlacing& placing, double period_s)
+             const ScanPlacing& placing, double period_s, size_t in_gaps)
       : files_(std::move(files)),
         infos_(std::move(infos)),
         trajectory_(std::move(trajectory)),
         columns_(placing.columns),
         points_in_world_(placing.points_in_world),
         unit_m_(placing.unit_m),
-        times_(period_s) {}
+        times_(period_s) {
+    if (in_gaps > 0) skipped_[kInGaps] = in_gaps;
+  }
 
   size_t size() const override { return files_.size(); }
   const Trajectory& trajectory() const override { return trajectory_; }
@@ -69,7 +58,8 @@ class ScanFolder : public ScanSource {
   PointScan read(size_t k) override {
     require(k < files_.size(), "scan: no such scan");
     const ScanFile& file = files_[k];
-    Table table = read_table(file.path, columns_);
+    const bool empty = files_.size() > 1 && fs::file_size(file.path) == 0;
+    Table table = empty ? Table() : read_scan_table(file.path);
     if (table.size() == 0 && files_.size() > 1) {
       ++skipped_[kEmptyScans];
       PointScan none;
@@ -77,12 +67,23 @@ class ScanFolder : public ScanSource {
       return none;
     }
     if (notes_.empty()) notes_ = table.notes;
+    if (points_in_world_) step_m_ = std::max(step_m_, table.step() * unit_m_);
     keep_bin_columns(file.path, table);
     PointScan scan = scan_from_table(file.path.string(), std::move(table),
                                      {infos_[k], points_in_world_, unit_m_, &times_}, skipped_);
     if (!file.labels.empty()) add_labels(file.labels, scan);
     check_columns(file.path, scan);
     return scan;
+  }
+  std::vector<std::string> warnings() const {
+    constexpr double kCoarse = 0.01;  // m
+    if (step_m_ < kCoarse) return {};
+    char text[200];
+    std::snprintf(text, sizeof text,
+                  "the coordinates are 32-bit floats, which are rounded to steps of %.3g m so far "
+                  "from zero: write them as doubles, or relative to a place nearby",
+                  step_m_);
+    return {text};
   }
   std::vector<std::string> notes() const {
     std::vector<std::string> all = notes_;
@@ -91,9 +92,19 @@ class ScanFolder : public ScanSource {
   }
 
  private:
+  Table read_scan_table(const fs::path& path) const {
+    if (!is_gzip(path)) return read_table(path, columns_);
+    const Unpacked unpacked(path);
+    try {
+      return read_table(unpacked.path(), columns_);
+    } catch (const FormatError& e) {
+      throw FormatError(path.string(), e.place(), e.reason());
+    }
+  }
+
   // The first .bin file tells the columns of all.
   void keep_bin_columns(const fs::path& path, const Table& table) {
-    if (!columns_.empty() || path.extension() != ".bin") return;
+    if (!columns_.empty() || (is_gzip(path) ? path.stem() : path).extension() != ".bin") return;
     for (const auto& [name, column] : table.columns) columns_.push_back(name);
   }
 
@@ -114,10 +125,22 @@ class ScanFolder : public ScanSource {
   std::vector<std::string> columns_;  // Names for files that have none.
   bool points_in_world_;
   double unit_m_;
+  double step_m_ = 0;  // Step of the coordinates in the world, where it is largest.
   PointTimes times_;
   std::vector<std::string> notes_;
   std::map<std::string, size_t> skipped_;
 };
+
+/// Whether scans take the times of as many poses in their order: there are no others, or those in
+/// the names of the scans are of another clock.
+bool poses_have_the_scans_times(const std::vector<ScanFile>& files, const ScanPlacing& placing) {
+  const std::vector<double>& times = placing.poses.time_s;
+  if (!placing.times.empty() || times.empty() || times.size() != files.size()) return false;
+  const auto [low, high] = std::minmax_element(times.begin(), times.end());
+  const double from = 2 * *low - *high, to = 2 * *high - *low;
+  return std::ranges::none_of(
+      files, [&](const ScanFile& f) { return f.time_s && *f.time_s >= from && *f.time_s <= to; });
+}
 
 /// Finds the time and pose of every scan.
 class Placer {
@@ -128,9 +151,13 @@ class Placer {
     PoseList& poses = poses_;
     if (poses.numbered && !placing.times.empty()) times_of_frames(poses);
     timed_ = !poses.time_s.empty();
-    by_order_ = timed_ && placing.times.empty() && poses.pose.size() == files.size() &&
-                std::none_of(files.begin(), files.end(), [](const auto& f) { return f.time_s; });
-    if (by_order_) input.notes.push_back("scans take the poses' times in order: none of their own");
+    by_order_ = poses_have_the_scans_times(files, placing);
+    if (by_order_) {
+      input.notes.emplace_back(files[0].time_s
+                                   ? "scans take the poses' times in order: those in their names "
+                                     "lie outside of the poses'"
+                                   : "scans take the poses' times in order: none of their own");
+    }
     if (!timed_ && placing.times.empty()) {
       input.notes.push_back("no times: frames are taken to be 0.1 s apart");
     }
@@ -145,10 +172,12 @@ class Placer {
       std::stable_sort(stamped.begin(), stamped.end(), earlier);
     }
     if (placing.fit_clock) fit_clock(stamped);
+    if (timed_ && !by_order_) gaps = split_at_gaps(stamped, placing.period_s);
     trajectory = Trajectory(stamped);
   }
 
   Trajectory trajectory;
+  std::vector<PoseGap> gaps;  ///< Scans in them are left out.
 
   /// The usual time between scans, s; without times the one that is given.
   double period() const {
@@ -156,13 +185,8 @@ class Placer {
     if (times.empty() && timed_) {
       for (const ScanFile& file : files_) times.push_back(file.time_s.value_or(NAN));
     }
-    std::vector<double> steps;
-    for (size_t i = 1; i < times.size(); ++i) {
-      if (times[i] > times[i - 1]) steps.push_back(times[i] - times[i - 1]);
-    }
-    if (steps.empty()) return placing_.period_s;
-    std::nth_element(steps.begin(), steps.begin() + long(steps.size() / 2), steps.end());
-    return steps[steps.size() / 2];
+    const double usual = usual_step(times);
+    return usual > 0 ? usual : placing_.period_s;
   }
 
   ScanInfo place(size_t k) const {
@@ -253,64 +277,120 @@ class Placer {
   bool timed_ = false, by_order_ = false;
 };
 
-bool is_frame_number(const std::string& stem) {
-  return all_digits(stem) && (stem.size() <= 9 || (stem.size() == 10 && stem[0] == '0'));
+/// The factor from the unit in which times of scans are written to seconds, and its name. Times of
+/// scans are in ms, µs or ns where they lie within those of the poses only so, or where steps of
+/// more than 10 s, as even as those of a lidar, become its period.
+std::pair<double, const char*> unit_of(const std::vector<double>& times, const PoseList& poses,
+                                       double period_s) {
+  constexpr double kLongStep = 10, kShortest = 0.04, kLongest = 0.21;  // s
+  constexpr std::array<std::pair<double, const char*>, 3> kTimeUnits{
+      {{1e-3, "ms"}, {1e-6, "µs"}, {1e-9, "ns"}}};
+  const double usual = usual_step(times);
+  if (!(usual > kLongStep)) return {1, "s"};
+  if (!poses.time_s.empty() && !poses.numbered && &times != &poses.time_s) {
+    const auto [low, high] = std::minmax_element(poses.time_s.begin(), poses.time_s.end());
+    const auto within = [&, first = *low, last = *high](double unit) {
+      return times.front() * unit >= first - 1 && times.back() * unit <= last + 1;
+    };
+    for (const auto& unit : kTimeUnits) {
+      if (!within(1) && within(unit.first)) return unit;
+    }
+  }
+  size_t even = 0;
+  for (size_t i = 1; i < times.size(); ++i) {
+    const double steps = (times[i] - times[i - 1]) / usual;
+    even += std::abs(steps - std::round(steps)) < 0.1;
+  }
+  if (double(even) < 0.8 * double(times.size() - 1)) return {1, "s"};
+  for (const auto& unit : kTimeUnits) {
+    const double step = usual * unit.first;
+    const bool fits = period_s > 0 ? step > 0.7 * period_s && step < 10.3 * period_s
+                                   : step > kShortest && step < kLongest;
+    if (fits) return unit;
+  }
+  return {1, "s"};
+}
+
+/// Brings the times of the scans, and those of poses in the same unit, to seconds.
+void use_seconds(ScanPlacing& placing, bool poses_have_the_scans_times,
+                 std::vector<std::string>& notes) {
+  PoseList& poses = placing.poses;
+  const bool by_poses = placing.times.empty() && poses_have_the_scans_times;
+  std::vector<double>& times = by_poses ? poses.time_s : placing.times;
+  if (times.size() < 2) return;
+  const auto [unit, name] = unit_of(times, poses, placing.period_s);
+  if (unit == 1) return;
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "the times of the scans are taken to be in %s: %.4g of them lie between scans",
+                name, usual_step(times));
+  notes.emplace_back(text);
+  const bool same_unit = !by_poses && !poses.numbered && !poses.time_s.empty() &&
+                         poses.time_s.back() >= times.front() && poses.time_s[0] <= times.back() &&
+                         poses.time_s.back() > times.back() * unit + 1;
+  for (double& t : times) t *= unit;
+  if (!same_unit) return;
+  for (double& t : poses.time_s) t *= unit;
+}
+
+/// Scans whose names are more than a number take the rows that these numbers count, where there are
+/// more rows than scans.
+void count_by_names(std::vector<ScanFile>& files, const ScanPlacing& placing,
+                    std::vector<std::string>& notes) {
+  const bool timed = !placing.poses.time_s.empty();
+  const size_t rows = std::max(placing.times.size(), timed ? 0 : placing.poses.pose.size());
+  const auto [low, high] = std::ranges::minmax(files, {}, &ScanFile::number);
+  if (rows <= files.size() || !low.number || *high.number > rows) return;
+  const uint32_t first = *high.number == rows ? 1 : 0;
+  if (*low.number < first || files[0].frame == *files[0].number - first) return;
+  for (ScanFile& file : files) file.frame = *file.number - first;
+  notes.push_back(
+      "the numbers in the scans' names are those of the poses and times, counted from " +
+      std::to_string(first) + ": " + files[0].path.filename().string() + " has row " +
+      std::to_string(files[0].frame + 1));
 }
 
 }  // namespace
 
-ScanFile scan_file(const fs::path& path) {
-  const std::string stem = path.stem().string();
-  if (is_frame_number(stem)) return {path, {}, uint32_t(std::stoul(stem)), {}};
-  return {path, {}, 0, time_in_name(stem)};
-}
-
-std::vector<ScanFile> list_scans(const fs::path& folder) {
-  std::vector<ScanFile> files;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    if (entry.path().filename().string().starts_with('.')) continue;
-    const std::string ext = lower(entry.path().extension().string());
-    if (ext == ".ply" || ext == ".pcd" || ext == ".bin" || ext == ".npy" || ext == ".npz") {
-      files.push_back(scan_file(entry.path()));
-    }
-  }
-  if (error) throw FormatError(folder.string(), "", error.message());
-  if (files.empty()) {
-    const bool recording = fs::exists(folder / "metadata.yaml", error);
-    throw FormatError(folder.string(), "", recording ? kRecording : "no scans in it");
-  }
-  std::sort(files.begin(), files.end(),
-            [](const auto& a, const auto& b) { return a.path < b.path; });
-  const bool numbered = std::all_of(files.begin(), files.end(), [](const ScanFile& file) {
-    return is_frame_number(file.path.stem().string());
-  });
-  if (!numbered) {
-    for (size_t i = 0; i < files.size(); ++i) files[i].frame = uint32_t(i);
-  }
-  std::stable_sort(files.begin(), files.end(),
-                   [](const auto& a, const auto& b) { return a.frame < b.frame; });
-  for (size_t i = 1; i < files.size(); ++i) {
-    if (files[i].frame != files[i - 1].frame) continue;
-    throw FormatError(files[i].path.string(), "", "the number of another scan");
-  }
-  return files;
-}
-
-void place_scans(std::vector<ScanFile> files, const ScanPlacing& placing, Input& input) {
+void place_scans(std::vector<ScanFile> files, ScanPlacing placing, Input& input) {
+  count_by_names(files, placing, input.notes);
+  use_seconds(placing, poses_have_the_scans_times(files, placing), input.notes);
   const Placer placer(files, placing, input);
   std::vector<ScanFile> selected;
+  std::vector<size_t> lost(placer.gaps.size());
   for (size_t k = 0; k < files.size(); ++k) {
     if (!placing.frames.has(files[k].frame)) continue;
-    input.scan_infos.push_back(placer.place(k));
+    const ScanInfo info = placer.place(k);
+    const auto gap =
+        std::ranges::find_if(placer.gaps, [&](const auto& g) { return g.has(info.time_s); });
+    if (gap != placer.gaps.end()) {
+      ++lost[size_t(gap - placer.gaps.begin())];
+      continue;
+    }
+    input.scan_infos.push_back(info);
     selected.push_back(files[k]);
+  }
+  size_t in_gaps = 0;
+  for (size_t g = 0; g < lost.size(); ++g) {
+    if (lost[g] == 0) continue;
+    in_gaps += lost[g];
+    const PoseGap& gap = placer.gaps[g];
+    char text[200];
+    std::snprintf(
+        text, sizeof text,
+        "the poses have a gap of %.1f s from %.2f s on, in which the sensor moves by %.1f "
+        "m: %zu scans in it are left out",
+        gap.to_s - gap.from_s, gap.from_s, gap.moved_m, lost[g]);
+    if (selected.empty()) throw FormatError(placing.poses_name, "", text);
+    input.notes.emplace_back(text);
   }
   require(!selected.empty(), "no scan is within the selected frames");
   input.notes.insert(input.notes.end(), placing.poses.notes.begin(), placing.poses.notes.end());
   auto source = std::make_unique<ScanFolder>(std::move(selected), input.scan_infos,
-                                             placer.trajectory, placing, placer.period());
+                                             placer.trajectory, placing, placer.period(), in_gaps);
   input.skipped = [raw = source.get()] { return raw->skipped(); };
   input.read_notes = [raw = source.get()] { return raw->notes(); };
+  input.read_warnings = [raw = source.get()] { return raw->warnings(); };
   input.scans = std::move(source);
 }
 

@@ -54,13 +54,26 @@ void check_around_sensor(const std::string& file, const std::vector<Vec3f>& poin
                         " m apart; " + kWorldCoordinates);
 }
 
+/// What is missing, and the columns that are there.
+std::string no_column(const std::string& file, const std::string& name, const Table& table) {
+  constexpr size_t kMost = 8;
+  std::string text = "no column '" + name + "'";
+  for (size_t c = 0; c < std::min(table.columns.size(), kMost); ++c) {
+    text += (c == 0 ? "; its columns are " : ", ") + printable(table.columns[c].first);
+  }
+  if (table.columns.size() > kMost) text += ", …";
+  const std::string ext = lower(std::filesystem::path(file).extension().string());
+  const bool is_text = ext == ".csv" || ext == ".txt" || ext == ".xyz";
+  return text + (is_text ? ": --columns x,y,z,intensity names them" : "");
+}
+
 void fill_points(const std::string& file, Table& table, const ScanContext& context, PointScan& scan,
                  std::map<std::string, size_t>& skipped) {
   std::array<std::vector<double>, 3> xyz;
   for (int c = 0; c < 3; ++c) {
     const std::string name(1, char('x' + c)), number = std::to_string(c);
     const auto column = take(table, {name, "points_m_xyz:" + number, "points:" + number});
-    if (!column) throw FormatError(file, "header", "no column '" + name + "'");
+    if (!column) throw FormatError(file, "header", no_column(file, name, table));
     xyz[size_t(c)] = doubles_of(*column);
   }
   const size_t n = xyz[0].size();
@@ -120,6 +133,18 @@ const ExtraColumn* Table::find(const std::vector<std::string>& names) const {
     }
   }
   return nullptr;
+}
+
+double Table::step() const {
+  double most = 0;
+  for (const char* name : {"x", "y", "z"}) {
+    const ExtraColumn* column = find({name});
+    if (!column || type_of(*column) != ValueType::kF32) continue;
+    for (const float v : std::get<std::vector<float>>(*column)) {
+      if (std::isfinite(v)) most = std::max(most, std::abs(double(v)));
+    }
+  }
+  return most > 0 ? std::ldexp(1.0, std::ilogb(most) - 23) : 0;
 }
 
 std::string Table::name_of(const std::vector<std::string>& names) const {

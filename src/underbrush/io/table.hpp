@@ -22,6 +22,9 @@ struct Table {
   /// Returns the first column with one of these names (letter case and a leading "scalar_" do not
   /// matter), or nullptr.
   const ExtraColumn* find(const std::vector<std::string>& names) const;
+  /// The step to which x, y or z are rounded where they are largest, if they are 32-bit floats;
+  /// else 0. In the unit of the coordinates.
+  double step() const;
   /// Returns the first of these names that a column has; "" if none does.
   std::string name_of(const std::vector<std::string>& names) const;
 };
@@ -33,7 +36,8 @@ Table read_pcd(const std::filesystem::path& path);
 /// Reads a .bin file of 32-bit floats: KITTI's x y z intensity; also with a ring (nuScenes), and a
 /// time behind it (Boreas). The number of columns is the one of 4 to 6 with which the fourth is an
 /// intensity, the fifth a ring, and rows resemble each other most. `names` gives the columns
-/// instead. Throws `FormatError`, also where the number stays unknown.
+/// instead. Throws `FormatError`, also where the number stays unknown or is that of other columns,
+/// and where the values are not 32-bit floats.
 Table read_bin(const std::filesystem::path& path, const std::vector<std::string>& names = {});
 /// Reads a .npy file, or a .npz file (not compressed) with one array, which is structured or of
 /// shape (n, 3 to 5) with the columns x y z intensity ring. Throws `FormatError`.

@@ -256,11 +256,15 @@ void check_sensor_of(const std::string& source, const std::string& option, const
 }
 
 std::string warning_of_overlap(ScanSource& scans, const std::vector<ScanInfo>& infos) {
-  constexpr double kPoor = 0.4, kBetter = 0.2;
+  constexpr double kPoor = 0.4, kBetter = 0.2, kFast = 5;  // kFast: m from scan to scan
   const std::vector<std::pair<size_t, size_t>> pairs = pairs_of(infos);
   if (pairs.empty()) return warning_of_standing(scans, infos);
   std::array<double, kReadings.size()> fit{};
+  bool fast = true;
   for (const auto& [a, b] : pairs) {
+    const Vec3 way =
+        infos[b].world_from_sensor.translation - infos[a].world_from_sensor.translation;
+    fast = fast && way.norm() > kFast * double(b - a);
     const std::vector<Vec3> from = upper_points(scans.read(a)), to = upper_points(scans.read(b));
     for (size_t k = 0; k < kReadings.size(); ++k) {
       const auto& pose_of = kReadings[k].pose;
@@ -269,11 +273,24 @@ std::string warning_of_overlap(ScanSource& scans, const std::vector<ScanInfo>& i
                 double(pairs.size());
     }
   }
+  // Circles on flat ground fit each other best without any motion, so it alone shows no mm.
+  if (!fast) fit.back() = 0;
   const size_t best = size_t(std::max_element(fit.begin(), fit.end()) - fit.begin());
   if (fit[0] > kPoor || fit[best] < fit[0] + kBetter) return "";
   return "by the poses only " + text_of("%.0f", 100 * fit[0]) +
          " % of a scan's points lie where the next one has some, and " +
          text_of("%.0f", 100 * fit[best]) + " % " + kReadings[best].what;
+}
+
+size_t coarse_times(const PointScan& scan) {
+  constexpr size_t kEnough = 100, kMost = 8;  // points; times
+  if (scan.time_s.size() < kEnough) return 0;
+  std::set<double> times;
+  for (const double t : scan.time_s) {
+    if (std::isfinite(t)) times.insert(t);
+    if (times.size() > kMost) return 0;
+  }
+  return times.size();
 }
 
 std::string warning_of_ranges(const PointScan& scan) {

@@ -17,6 +17,11 @@ namespace underbrush::pipeline {
 void check_sensor_of(const std::string& source, const std::string& option, const PointScan& scan,
                      const sensor::Sensor& sensor);
 
+/// Returns the number of different times of a scan's points where it is too small to tell the
+/// motion within the scan: at most 8 for 100 points and more, as those of zeros and of dates in
+/// 32-bit floats. 0 otherwise.
+size_t coarse_times(const PointScan& scan);
+
 /// Returns a warning where half of a scan's returns are farther than 1 km, as those of a scan in
 /// millimetres are, else "".
 std::string warning_of_ranges(const PointScan& scan);
@@ -29,8 +34,9 @@ std::vector<std::string> warnings_of_poses(const std::vector<ScanInfo>& scans);
 /// Compares up to four pairs of scans, between which the sensor moved by a metre or turned by ten
 /// degrees: the share of the upper half of one scan's points that lie in cells (0.4 m) of the
 /// other's. Returns a warning where the poses as they are give less than 0.4 and one of these gives
-/// 0.2 more: their inverses (sensor from world), their quaternions with w first, their positions in
-/// mm. Returns "" without such a finding. Reads the scans of the pairs.
+/// 0.2 more: their inverses (sensor from world), their quaternions with w first, or, if they are
+/// more than 5 m apart from scan to scan, their positions in mm. Returns "" without such a finding.
+/// Reads the scans of the pairs.
 std::string warning_of_overlap(ScanSource& scans, const std::vector<ScanInfo>& infos);
 
 }  // namespace underbrush::pipeline

@@ -8,6 +8,7 @@
 #include "underbrush/io/input.hpp"
 #include "underbrush/io/table.hpp"
 #include "underbrush/io/text.hpp"
+#include "underbrush/pipeline/copies.hpp"
 #include "underbrush/pipeline/import_checks.hpp"
 #include "underbrush/pipeline/row_filter.hpp"
 #include "underbrush/sensor/pulse_returns.hpp"
@@ -16,6 +17,7 @@ namespace underbrush::pipeline {
 namespace {
 
 constexpr double kFewMisses = 0.03;  // of all recorded
+constexpr double kFewCopies = 0.2;   // of the returns
 
 // The sensor of an option, which must be a spinning one.
 sensor::Sensor spinning_sensor(const std::string& option, const std::string& name) {
@@ -136,13 +138,34 @@ void check_first(const std::string& source, const PointScan& scan,
   if (!far.empty()) report.warnings.push_back(far);
 }
 
+/// Leaves out times of points that are too coarse to tell the motion within a scan.
+void leave_out_times(PointScan& scan, bool deskew, ImportReport& report) {
+  const size_t times = deskew ? coarse_times(scan) : 0;
+  if (times == 0) return;
+  scan.time_s.clear();
+  const std::string warning =
+      "the times of a scan's points have " + std::to_string(times) +
+      (times == 1 ? " value: " : " values: ") +
+      "--deskew does without them, and takes the scan's time for that at which the sensor faces "
+      "forward";
+  if (std::ranges::find(report.warnings, warning) == report.warnings.end()) {
+    report.warnings.push_back(warning);
+  }
+}
+
 void import_scans(const std::string& source, const RowFilter& keep, io::Input& input,
                   const sensor::BeamOptions& options, const Write& write, const Progress& progress,
                   ImportReport& report) {
+  bool doubled = false;
   for (size_t k = 0; k < input.scans->size(); ++k) {
     PointScan scan = input.scans->read(k);
     if (scan.size() == 0) continue;
-    if (report.scans == 0) check_first(source, scan, options, report);
+    if (report.scans == 0) {
+      check_first(source, scan, options, report);
+      doubled = keep.all() && share_of_copies(scan) > kFewCopies;
+    }
+    if (doubled) report.beam.skipped["copies of a return of the same time"] += remove_copies(scan);
+    leave_out_times(scan, options.deskew.has_value(), report);
     keep.apply(scan, report.beam.skipped);
     const Trajectory& path = input.scans->trajectory();
     const size_t later = report.later_returns;
@@ -261,6 +284,9 @@ ImportReport import_log(const std::filesystem::path& source, const ImportOptions
   report.notes = input.notes;
   if (input.read_notes) {
     for (std::string& note : input.read_notes()) report.notes.push_back(std::move(note));
+  }
+  if (input.read_warnings) {
+    for (std::string& text : input.read_warnings()) report.warnings.push_back(std::move(text));
   }
   warn_of_misses(report);
   return report;

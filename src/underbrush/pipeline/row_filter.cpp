@@ -41,6 +41,10 @@ void RowFilter::apply(PointScan& scan, std::map<std::string, size_t>& skipped) c
   if (all()) return;
   const std::vector<size_t> kept = rows(scan.extra);
   if (const size_t left_out = scan.size() - kept.size()) skipped[reason()] += left_out;
+  keep_rows(kept, scan);
+}
+
+void keep_rows(const std::vector<size_t>& kept, PointScan& scan) {
   const auto take = [&](auto& column) {
     if (column.empty()) return;
     for (size_t k = 0; k < kept.size(); ++k) column[k] = column[kept[k]];

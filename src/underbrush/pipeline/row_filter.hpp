@@ -30,4 +30,7 @@ class RowFilter {
   double value_ = 0;
 };
 
+/// Leaves only these points, which are in ascending order, in a scan.
+void keep_rows(const std::vector<size_t>& kept, PointScan& scan);
+
 }  // namespace underbrush::pipeline
