@@ -211,7 +211,9 @@ InsertedMisses insert_misses(std::vector<SensorRay>& rays, const Sensor& sensor,
   size_t gaps = 0, wide = 0;
   for (size_t r = 0; r < rings.size(); ++r) {
     const Ring& ring = rings[r];
-    const auto insert = [&](const SensorRay& miss, bool left_out) {
+    const bool silent = ring.empty() && unknown.silent(r);
+    const auto insert = [&](const SensorRay& miss) {
+      const bool left_out = silent || unknown.ray(r, miss);
       ++(left_out ? done.unknown : done.inserted);
       if (!left_out) rays.push_back(miss);
     };
@@ -222,11 +224,10 @@ InsertedMisses insert_misses(std::vector<SensorRay>& rays, const Sensor& sensor,
       whole.place = SensorRay::kInserted;
       whole.elevation_rad = sensor.channels[r].elevation_rad - fault_rad;
       whole.time_s = time_s;
-      const bool silent = unknown.silent(r);
       const size_t n = size_t(std::lround(2 * M_PI / step));
       for (size_t k = 0; k < n; ++k) {
         whole.azimuth_rad = step * double(k);
-        insert(whole, silent || unknown.ray(r, whole));
+        insert(whole);
       }
       continue;
     }
@@ -238,13 +239,11 @@ InsertedMisses insert_misses(std::vector<SensorRay>& rays, const Sensor& sensor,
       const size_t n = size_t(std::lround(gap / step)) - 1;
       const SensorRay& next = ring[(i + 1) % ring.size()];
       for (size_t k = 1; k <= n; ++k) {
-        const SensorRay miss = miss_between(ring[i], next, gap, double(k) / double(n + 1), pace);
-        insert(miss, unknown.ray(r, miss));
+        insert(miss_between(ring[i], next, gap, double(k) / double(n + 1), pace));
       }
     }
   }
-  constexpr size_t kFewest = 1000;
-  done.thinned = gaps >= kFewest && double(wide) > 0.4 * double(gaps);
+  done.thinned = gaps >= 1000 && double(wide) > 0.4 * double(gaps);
   return done;
 }
 
