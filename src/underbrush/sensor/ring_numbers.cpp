@@ -31,6 +31,7 @@ std::vector<NumberedRing> measured_rings(const std::vector<uint16_t>& numbers,
     per_metre.push_back(1 / points[i].cast<double>().norm());
   }
   std::vector<NumberedRing> out;
+  out.reserve(values.size());
   for (auto& [number, of] : values) out.push_back({number, median(of.first), median(of.second)});
   return out;
 }
