@@ -61,6 +61,12 @@ std::string text_of(const pipeline::ImportReport& r, const std::string& output) 
     text += fmt::format("  note: rings of {} scans told by elevation\n",
                         r.beam.scans_ringed_by_elevation);
   }
+  if (r.beam.scans_with_rings_renumbered > 0) {
+    text += fmt::format(
+        "  note: rings of {} scans have other numbers than the sensor's channels, "
+        "and got those\n",
+        r.beam.scans_with_rings_renumbered);
+  }
   if (r.clock) text += text_of(*r.clock);
   for (const std::string& note : r.notes) text += "  note: " + note + "\n";
   return text + text_of_warnings(r.warnings);

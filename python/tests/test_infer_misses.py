@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import json
 import pathlib
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -37,7 +38,8 @@ def beams() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 DIRECTION, RETURNS, TIME = beams()
 
 
-def write_bag(path: pathlib.Path, timed: bool, ringed: bool, organised: bool = False) -> None:
+def write_bag(path: pathlib.Path, timed: bool, ringed: bool, organised: bool = False,
+              number: Callable[[np.ndarray], np.ndarray] = lambda ring: ring) -> None:
     dtype = LAYOUTS["velodyne"].dtype if timed else np.dtype([(n, "<f4") for n in ("x", "y", "z", "intensity")] + (
         [("ring", "<u2")] if ringed else []))
     points = np.zeros(RETURNS.shape, dtype)
@@ -46,7 +48,7 @@ def write_bag(path: pathlib.Path, timed: bool, ringed: bool, organised: bool = F
         points[name] = np.where(RETURNS, point[..., axis], np.nan)
     points["intensity"] = 7
     if "ring" in (dtype.names or ()):
-        points["ring"] = np.arange(16)
+        points["ring"] = number(np.arange(16))
     if timed:
         points["time"] = TIME
     if not organised:
@@ -88,6 +90,18 @@ def test_the_beams_without_returns_are_found(tmp_path: pathlib.Path, timed: bool
                 np.testing.assert_allclose(log.time_s[rows & (log.ring == ring)], times, atol=1e-4)
         origin = log.origin[log.scan == scan]
         np.testing.assert_allclose(origin[:, 0], 10 * (log.time_s[log.scan == scan] - 100), atol=1e-4)
+
+
+@pytest.mark.parametrize("number", [lambda ring: 0 * ring, lambda ring: ring + 1, lambda ring: 15 - ring])
+def test_rings_with_other_numbers_have_the_same_misses(tmp_path: pathlib.Path,
+                                                       number: Callable[[np.ndarray], np.ndarray]) -> None:
+    for name, numbers in (("own", lambda ring: ring), ("other", number)):
+        write_bag(tmp_path / name, True, True, number=numbers)
+        assert run([str(tmp_path / name), "--infer-misses", "velodyne-vlp16", "-o", str(tmp_path / f"{name}.ply")]) == 0
+    own, other = (underbrush.read_log(tmp_path / f"{name}.ply") for name in ("own", "other"))
+    np.testing.assert_array_equal(own.ring, other.ring)
+    np.testing.assert_array_equal(own.range_m, other.range_m)
+    np.testing.assert_allclose(own.direction, other.direction, atol=1e-6)
 
 
 def test_rings_below_an_angle_are_unknown(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:

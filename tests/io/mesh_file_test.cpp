@@ -38,6 +38,28 @@ TEST_F(MeshFile, ReadsTheSameSquareOfObjAndPly) {
   }
 }
 
+TEST_F(MeshFile, LinesOfObjGoOnBehindABackslash) {
+  const MeshData m = read_mesh(write(
+      "a.obj", "# C:\\models\\\nv 0 0 0\nv 1 0 \\\r\n0\nv 1 1 0\nv 0 1 0\nf 1 2 \\\n3 \\\n4\n"));
+  EXPECT_EQ(m.vertices.size(), 4u);
+  EXPECT_EQ(m.triangles.size(), 2u);
+  EXPECT_EQ(read_mesh(write("b.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3 \\")).triangles.size(),
+            1u);
+}
+
+TEST_F(MeshFile, StripsOfPlyAreNamed) {
+  const auto file = write("a.ply",
+                          "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty "
+                          "float y\nproperty float z\nelement tristrips 1\nproperty list int int "
+                          "vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n5 0 1 2 -1 0\n");
+  try {
+    read_mesh(file);
+    ADD_FAILURE();
+  } catch (const FormatError& e) {
+    EXPECT_NE(std::string(e.what()).find("tristrips"), std::string::npos) << e.what();
+  }
+}
+
 TEST_F(MeshFile, NamesThePlaceOfWhatIsWrong) {
   const std::string v = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   for (const auto& [text, place] : {std::pair<std::string, std::string>{v + "f 1 2 4\n", "line 4"},

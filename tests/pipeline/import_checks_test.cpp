@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/pipeline/copies.hpp"
+#include "underbrush/core/rng.hpp"
 
 namespace underbrush::pipeline {
 namespace {
@@ -18,7 +20,7 @@ PointScan scan_of(const sensor::Sensor& sensor, double radius_m = 20) {
       const double azimuth = 2 * M_PI * k / 60, range = radius_m + k % 3;
       scan.point.push_back(Vec3f(float(range * std::cos(c.elevation_rad) * std::cos(azimuth)),
                                  float(range * std::cos(c.elevation_rad) * std::sin(azimuth)),
-                                 float(range * std::sin(c.elevation_rad))));
+                                 float(range * std::sin(c.elevation_rad) + c.z_m)));
     }
   }
   return scan;
@@ -47,6 +49,70 @@ TEST(ImportChecks, ASensorFitsItsOwnScansAlone) {
   EXPECT_THROW(check_sensor_of("f", "--deskew", scan_of(sensor::load("velodyne-vlp16"), 5000),
                                sensor::load("velodyne-vlp16")),
                FormatError);
+}
+
+bool has_channels(const PointScan& scan, const sensor::Sensor& sensor) {
+  try {
+    check_channels_of("f", "--infer-misses", scan, sensor, 0);
+  } catch (const FormatError& e) {
+    EXPECT_NE(std::string(e.what()).find("have no return"), std::string::npos) << e.what();
+    return false;
+  }
+  return true;
+}
+
+PointScan without(PointScan scan, const std::function<bool(size_t)>& dropped) {
+  PointScan out;
+  for (size_t i = 0; i < scan.size(); ++i) {
+    if (dropped(i)) continue;
+    out.point.push_back(scan.point[i]);
+    if (!scan.ring.empty()) out.ring.push_back(scan.ring[i]);
+  }
+  return out;
+}
+
+TEST(ImportChecks, MissesNeedAllChannelsOfTheSensor) {
+  for (const char* name : {"velodyne-vlp16", "velodyne-hdl32e", "velodyne-hdl64e",
+                           "velodyne-vlp32c", "velodyne-vls128", "hesai-xt32", "hesai-pandar64",
+                           "ouster-os0-128", "ouster-os1-64", "ouster-os1-128", "ouster-os2-128"}) {
+    SCOPED_TRACE(name);
+    const sensor::Sensor own = sensor::load(name);
+    const size_t n = own.channels.size();
+    const PointScan scan = scan_of(own);
+    EXPECT_TRUE(has_channels(scan, own));
+    Stream random(5);
+    const auto thinned = [&](size_t) { return random.uniform() < 0.7; };
+    EXPECT_TRUE(has_channels(without(scan, thinned), own));
+    // A third sees only sky, two channels are dead.
+    const auto third = [&](size_t i) { return own.channels[i % n].elevation_rad > 0.05; };
+    EXPECT_TRUE(has_channels(without(scan, third), own));
+    const auto dead = [&](size_t i) { return i % n == 3 || i % n == 9; };
+    EXPECT_TRUE(has_channels(without(scan, dead), own));
+    // Half of the rings were left out, which their own numbers tell.
+    PointScan ringed = scan;
+    for (size_t i = 0; i < scan.size(); ++i) ringed.ring.push_back(uint16_t(i % n));
+    const auto half = [&](size_t i) { return i % n % 2 == 1; };
+    EXPECT_TRUE(has_channels(without(ringed, half), own));
+    EXPECT_FALSE(has_channels(without(scan, half), own));
+  }
+  const PointScan vlp16 = scan_of(sensor::load("velodyne-vlp16"));
+  PointScan ringed = vlp16;
+  for (size_t i = 0; i < vlp16.size(); ++i) ringed.ring.push_back(uint16_t(i % 16));
+  for (const char* name :
+       {"hesai-xt32", "velodyne-hdl32e", "velodyne-vlp32c", "hesai-pandar64", "ouster-os1-64"}) {
+    EXPECT_FALSE(has_channels(vlp16, sensor::load(name))) << name;
+    EXPECT_FALSE(has_channels(ringed, sensor::load(name))) << name;
+  }
+}
+
+TEST(ImportChecks, PointsAtTheGreatestRangeAreWarnedOf) {
+  PointScan scan = scan_of(sensor::load("velodyne-vlp16"));
+  for (size_t i = 0; i < scan.size(); ++i) scan.point[i] *= 1 + 1e-3F * float(i % 97);
+  EXPECT_EQ(warning_of_greatest_range(scan, 0), "");
+  for (size_t i = 0; i < scan.size(); i += 20) scan.point[i] *= 120 / scan.point[i].norm();
+  EXPECT_NE(warning_of_greatest_range(scan, 0).find("--max-range 120 makes them misses"),
+            std::string::npos);
+  EXPECT_EQ(warning_of_greatest_range(scan, 120), "");
 }
 
 std::vector<ScanInfo> drive(const Vec3& velocity, const Eigen::Quaterniond& rotation) {

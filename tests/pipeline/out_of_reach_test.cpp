@@ -39,5 +39,22 @@ TEST(OutOfReach, OtherCoordinatesAndDirections) {
   EXPECT_EQ(why_nothing_is_hit(near, Bounds(), 120), "no beam meets anything: the world is empty");
 }
 
+TEST(OutOfReach, GroundInOtherCoordinatesThanTheRest) {
+  elements::Model ground, wall;
+  ground.ground.vertices = wall.surface.vertices = {{0, 0, 0}, {10, 0, 0}, {0, 10, 0}};
+  ground.ground.triangles = wall.surface.triangles = {{0, 1, 2}};
+  elements::Scene scene;
+  scene.models = {ground, wall};
+  scene.instances.resize(2);
+  scene.instances[1].model = 1;
+  const Bounds sensor = at({5, 5, 2}, {5, 5, 2});
+  EXPECT_EQ(ground_elsewhere(sensor, scene), "");
+  scene.instances[0].world_from_model.translation = {412300, 5645600, 110};
+  EXPECT_NE(ground_elsewhere(sensor, scene).find("no beam reaches the ground: the sensor lies at"),
+            std::string::npos);
+  scene.instances[1].model = 0;  // Some ground is near.
+  EXPECT_EQ(ground_elsewhere(sensor, scene), "");
+}
+
 }  // namespace
 }  // namespace underbrush::pipeline

@@ -71,6 +71,55 @@ TEST_F(Helios, PartsShareAFileAndStandOnTheGround) {
   EXPECT_NEAR(corner(w, 4, 0).y(), -3, 1e-6);
 }
 
+// A map of 3 × 2 cells of 1 m, 300 m high; one cell at its edge has no height.
+std::string map_in(uint16_t linear_unit) {
+  std::string bytes("II*\0", 4), entries;
+  const auto add = [](std::string& to, auto value) {
+    to.append(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  constexpr uint32_t kScale = 8 + 24, kTie = kScale + 24, kKeys = kTie + 48, kEnd = kKeys + 16;
+  add(bytes, kEnd);
+  for (const float z : {300.0F, 300.0F, -3.4e38F, 300.0F, 300.0F, 300.0F}) add(bytes, z);
+  for (const double x : {1.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 1.0, 0.0}) add(bytes, x);
+  for (const int key : {1, 1, 0, 1, 3076, 0, 1, int(linear_unit)}) add(bytes, uint16_t(key));
+  const std::vector<std::array<uint32_t, 4>> tags{
+      {256, 4, 1, 3},       {257, 4, 1, 2},      {258, 4, 1, 32}, {273, 4, 1, 8},
+      {278, 4, 1, 2},       {279, 4, 1, 24},     {339, 4, 1, 3},  {33550, 12, 3, kScale},
+      {33922, 12, 6, kTie}, {34735, 3, 8, kKeys}};
+  add(bytes, uint16_t(tags.size()));
+  for (const auto& [tag, type, n, value] : tags) {
+    add(bytes, uint16_t(tag));
+    add(bytes, uint16_t(type));
+    add(bytes, n);
+    add(bytes, value);
+  }
+  return bytes + std::string(4, '\0');
+}
+
+TEST_F(Helios, TerrainWithoutAHeightInACellIsTheRest) {
+  write("parts/metre.tif", map_in(9001));
+  write("parts/foot.tif", map_in(9002));
+  const std::string metre = filter("geotiffloader", param("filepath", "parts/metre.tif")),
+                    foot = filter("geotiffloader", param("filepath", "parts/foot.tif"));
+  const World w = read_helios_scene(scene("<part>" + metre + "</part>"));
+  EXPECT_NEAR(ground_at(w, 0, 0).value(), 300, 1e-4);
+  EXPECT_FALSE(ground_at(w, 1, 0.4).has_value());
+  EXPECT_EQ(w.report.triangles, 2u);
+  EXPECT_EQ(w.report.left_out.size(), 1u);
+  // A part stands on the ground with its lowest point, which a cell without a height has not.
+  const World on = read_helios_scene(scene("<part>" + metre +
+                                           filter("translate",
+                                                  "<param type=\"integer\" key=\"onGround\" "
+                                                  "value=\"-1\"/>") +
+                                           "</part><part>" + kObj + "</part>"));
+  EXPECT_NEAR(ground_at(on, 0, 0).value(), 300, 1e-4);
+  EXPECT_NE(refused(scene("<part>" + foot + "</part>")).find("in feet"), std::string::npos);
+  const std::string scaled =
+      foot + filter("scale", "<param type=\"double\" key=\"scale\" value=\"0.3048\"/>");
+  EXPECT_NEAR(ground_at(read_helios_scene(scene("<part>" + scaled + "</part>")), 0, 0).value(),
+              91.44, 1e-4);
+}
+
 TEST_F(Helios, WhatIsNotKnownIsCounted) {
   const World w =
       read_helios_scene(scene("<weather/><part>" + kObj + "<swap/><swap/>" + filter("bend", "") +

@@ -178,6 +178,19 @@ TEST_F(MeshWorld, StlIsTheSameInTextAndBytes) {
   for (size_t keep : {0, 3, 83, 84, 100, 183}) {
     EXPECT_THROW(read_mesh_world(write("cut.stl", bytes.substr(0, keep))), FormatError) << keep;
   }
+  // What people's programs write: words in capitals, bytes behind the triangles, "solid" in front.
+  std::string capitals =
+      "  SOLID Rock\nFACET NORMAL 0 0 1\n OUTER LOOP\n VERTEX -5.0E+01 0 0\n VERTEX 1 0 0\n"
+      " VERTEX 0 1 0\n ENDLOOP\nENDFACET\nENDSOLID\n";
+  const World c = read_mesh_world(write("c.STL", capitals));
+  EXPECT_EQ(c.report.triangles, 1u);
+  EXPECT_EQ(c.scene.models.at(1).surface.vertices.at(0), Vec3f(-50, 0, 0));
+  std::string solid = bytes + "end";
+  solid.replace(0, 5, "solid");
+  const World d = read_mesh_world(write("d.stl", solid));
+  EXPECT_EQ(d.report.triangles, 2u);
+  EXPECT_EQ(d.report.left_out.at("bytes behind the last triangle"), 3u);
+  EXPECT_THROW(read_mesh_world(write("more.stl", bytes + std::string(50, 'a'))), FormatError);
   const uint32_t absurd = 0xffffffff;
   std::memcpy(bytes.data() + 80, &absurd, 4);
   EXPECT_THROW(read_mesh_world(write("absurd.stl", bytes)), FormatError);

@@ -69,10 +69,10 @@ class MissInference:
         near = np.setdiff1d(np.arange(len(first)), source[~miss], assume_unique=True)
         if len(near):
             skipped["points nearer than the sensor's minimum range"] += len(near)
-        if scan.ring is None:
-            ring = np.zeros(len(first), np.uint16)
-            ring[source[~miss]] = log.ring[~miss]
-            scan.ring = ring[np.searchsorted(first, np.arange(len(scan)), side="right") - 1]
+        # The library tells rings that lack numbers or have others than the sensor's channels.
+        ring = np.zeros(len(first), np.uint16)
+        ring[source[~miss]] = log.ring[~miss]
+        scan.ring = ring[np.searchsorted(first, np.arange(len(scan)), side="right") - 1]
         # A miss follows the return before it, with all of its echoes.
         before = np.maximum.accumulate(np.where(miss, -1, source))[miss]
         place = np.append(first, len(scan))[before + 1] - 0.5

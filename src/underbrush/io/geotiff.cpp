@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <optional>
 
@@ -134,29 +135,82 @@ void check_kind(const Tiff& tiff, int format, int bits) {
   }
 }
 
-/// Sets the place of the raster's corner and the side of its cells.
+/// Returns the value of a key of GeoTIFF that is a whole number; 0 where there is none.
+int geo_key(const Tiff& tiff, int key) {
+  const std::vector<double> keys = tiff.numbers(kGeoKeys);
+  for (size_t k = 4; k + 3 < keys.size(); k += 4) {
+    if (keys[k] == key && keys[k + 1] == 0) return int(keys[k + 3]);
+  }
+  return 0;
+}
+
+/// Refuses a map whose place is in degrees, and names the system of UTM there.
+[[noreturn]] void fail_in_degrees(const Tiff& tiff, double east, double north) {
+  std::string system = "EPSG:NUMBER";
+  if (std::abs(east) <= 180 && std::abs(north) <= 90) {
+    const int zone = std::min(60, int(std::floor((east + 180) / 6)) + 1);
+    system = "EPSG:" + std::to_string((north < 0 ? 32700 : 32600) + zone);
+  }
+  tiff.fail("", "its map is in degrees; 'gdalwarp -t_srs " + system +
+                    " IN.tif OUT.tif' makes one in metres");
+}
+
+/// Sets the place of the raster's corner, the side of its cells and the unit of both.
 void place(const Tiff& tiff, Raster& raster) {
-  const std::vector<double> scale = tiff.numbers(kPixelScale), tie = tiff.numbers(kTiePoint),
-                            keys = tiff.numbers(kGeoKeys);
+  const std::vector<double> scale = tiff.numbers(kPixelScale), tie = tiff.numbers(kTiePoint);
+  constexpr int kModelType = 1024, kGeographic = 2, kGeocentric = 3;
+  const int model = geo_key(tiff, kModelType);
+  if (model == kGeographic) fail_in_degrees(tiff, tie[3], tie[4]);
+  if (model == kGeocentric) tiff.fail("", std::string("its coordinates are geocentric") + kConvert);
   if (!(scale[0] > 0) || !(std::abs(scale[0] - scale[1]) < 1e-6 * scale[0])) {
     tiff.fail("", std::string("its cells are not square") + kConvert);
   }
-  constexpr double kRasterType = 1025, kPoint = 2;
-  double shift = 0;  // The tie point may be the middle of a cell.
-  for (size_t k = 4; k + 3 < keys.size(); k += 4) {
-    if (keys[k] == kRasterType && keys[k + 3] == kPoint) shift = 0.5;
-  }
+  constexpr int kRasterType = 1025, kPoint = 2;
+  // The tie point may be the middle of a cell.
+  const double shift = geo_key(tiff, kRasterType) == kPoint ? 0.5 : 0;
+  constexpr int kLinearUnit = 3076, kFoot = 9002, kSurveyFoot = 9003;
+  const int unit = geo_key(tiff, kLinearUnit);
+  raster.unit_m = unit == kFoot ? 0.3048 : unit == kSurveyFoot ? 1200.0 / 3937 : 1;
   raster.cell_m = scale[0];
   raster.west = tie[3] - (tie[0] + shift) * scale[0];
   raster.north = tie[4] + (tie[1] + shift) * scale[0];
 }
 
+/// Returns the value that the file gives for "no data"; NaN where it gives none.
 double no_data(const Tiff& tiff) {
   std::string text;
   for (const double c : tiff.numbers(kNoData)) {
     if (c > 32 && c < 127) text += char(c);
   }
   return number_of(text).value_or(NAN);
+}
+
+/// Makes NaN of the cells without a height and counts them. Values for "no data" are often written
+/// with fewer digits than they have, or not named at all.
+void leave_out(double nothing, const std::string& name, Raster& map,
+               std::map<std::string, size_t>& left_out) {
+  constexpr float kMostHeight = 32766, kUsual = -9999;  // m; the usual value for "no data"
+  size_t named = 0, unnamed = 0;
+  double example = 0;
+  for (float& value : map.value) {
+    if (std::isnan(value) || value == float(nothing) ||
+        (std::abs(value) > kMostHeight && std::abs(nothing) > double(kMostHeight))) {
+      ++named;
+    } else if (std::abs(value) > kMostHeight || value == kUsual) {
+      ++unnamed;
+      example = double(value);
+    } else {
+      continue;
+    }
+    value = NAN;
+  }
+  const std::string cells = "cells of " + in_quotes(name) + " without a height";
+  if (named > 0) left_out[cells] += named;
+  if (unnamed == 0) return;
+  char text[64];
+  std::snprintf(text, sizeof text, "%.6g", example);
+  left_out[cells + ", of values such as " + text + ", which it does not name as no data"] +=
+      unnamed;
 }
 
 /// Where the strips or tiles of a file stand, and how they are stored.
@@ -191,8 +245,7 @@ Pieces pieces_of(const Tiff& tiff, const Raster& raster) {
 }
 
 /// Sets the cells of the piece of this number.
-void read_piece(const Tiff& tiff, const Pieces& pieces, int format, double nothing, uint64_t piece,
-                Raster& out) {
+void read_piece(const Tiff& tiff, const Pieces& pieces, int format, uint64_t piece, Raster& out) {
   const uint64_t first_row = piece / pieces.in_row * pieces.down,
                  first_column = piece % pieces.in_row * pieces.across;
   const uint64_t rows = std::min<uint64_t>(pieces.down, out.rows - first_row),
@@ -211,17 +264,32 @@ void read_piece(const Tiff& tiff, const Pieces& pieces, int format, double nothi
   }
   for (uint64_t r = 0; r < rows; ++r) {
     for (uint64_t c = 0; c < columns; ++c) {
-      const double value = sample(samples->data() + (r * pieces.across + c) * width, format,
-                                  pieces.coding.bits, tiff.big_endian());
       out.value[(first_row + r) * out.columns + first_column + c] =
-          value == nothing ? NAN : float(value);
+          float(sample(samples->data() + (r * pieces.across + c) * width, format,
+                       pieces.coding.bits, tiff.big_endian()));
     }
+  }
+}
+
+/// Refuses a map without a word about its system where it must be in degrees: its heights vary by
+/// more than all of its width.
+void check_heights(const Tiff& tiff, const Raster& map) {
+  constexpr int kModelType = 1024;
+  constexpr double kSmall = 0.01;
+  if (geo_key(tiff, kModelType) != 0 || map.cell_m > kSmall) return;
+  float low = INFINITY, high = -INFINITY;
+  for (const float z : map.value) {
+    low = std::min(low, std::isnan(z) ? low : z);
+    high = std::max(high, std::isnan(z) ? high : z);
+  }
+  if (double(high) - double(low) > map.cell_m * std::max(map.columns, map.rows)) {
+    fail_in_degrees(tiff, map.west, map.north);
   }
 }
 
 }  // namespace
 
-Raster read_geotiff(const std::filesystem::path& path) {
+Raster read_geotiff(const std::filesystem::path& path, std::map<std::string, size_t>& left_out) {
   const Tiff tiff(path.string(), read_file(path, kMostBytes));
   const int format = int(tiff.number(kSampleFormat, 1)), bits = int(tiff.number(kBits, 1));
   check_kind(tiff, format, bits);
@@ -234,12 +302,13 @@ Raster read_geotiff(const std::filesystem::path& path) {
   out.rows = uint32_t(height);
   place(tiff, out);
   const Pieces pieces = pieces_of(tiff, out);
-  const double nothing = no_data(tiff);
   out.value.resize(size_t(out.columns) * out.rows);
   const uint64_t in_column = (out.rows + pieces.down - 1) / pieces.down;
   for (uint64_t piece = 0; piece < pieces.in_row * in_column; ++piece) {
-    read_piece(tiff, pieces, format, nothing, piece, out);
+    read_piece(tiff, pieces, format, piece, out);
   }
+  leave_out(no_data(tiff), path.filename().string(), out, left_out);
+  check_heights(tiff, out);
   return out;
 }
 

@@ -9,6 +9,7 @@
 #include "underbrush/io/gltf_mesh.hpp"
 #include "underbrush/io/mesh_readers.hpp"
 #include "underbrush/io/ply.hpp"
+#include "underbrush/io/ply_header.hpp"
 #include "underbrush/io/polygon.hpp"
 #include "underbrush/io/text.hpp"
 
@@ -42,6 +43,12 @@ void add_polygons(const PlyElement& face, MeshScene& mesh) {
 }
 
 MeshScene read_ply_scene(const fs::path& path) {
+  for (const PlyHeader::Element& element : read_ply_header(InputFile(path)).elements) {
+    if (element.name != "tristrips") continue;
+    throw FormatError(path.string(), "",
+                      "its triangles are in strips (tristrips), which are not read: save it with "
+                      "faces, as MeshLab does");
+  }
   const PlyData data = read_ply(path);
   const PlyElement* vertex = data.find("vertex");
   const PlyElement* face = data.find("face");

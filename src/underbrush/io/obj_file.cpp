@@ -29,6 +29,29 @@ std::string rest_of(std::string_view line, std::string_view first) {
   return std::string(line.substr(begin, line.find_last_not_of(" \t\r") + 1 - begin));
 }
 
+/// Calls `f(number, line)` for each line of an OBJ or MTL file. A line that ends with a backslash
+/// goes on in the next one, unless it is a comment; the number is that of its last part.
+template <class F>
+void for_each_joined_line(const std::string& text, F f) {
+  std::string open;
+  size_t last = 0;
+  for_each_line(text, [&](size_t line, std::string_view content) {
+    last = line;
+    const size_t end = content.find_last_not_of(" \t\r"), first = content.find_first_not_of(" \t");
+    const bool comment = open.empty() && first != std::string_view::npos && content[first] == '#';
+    if (!comment && end != std::string_view::npos && content[end] == '\\') {
+      open += content.substr(0, end);
+      open += ' ';
+    } else if (open.empty()) {
+      f(line, content);
+    } else {
+      f(line, open += content);
+      open.clear();
+    }
+  });
+  if (!open.empty()) f(last, open);
+}
+
 /// The state of reading an OBJ file line by line.
 class ObjReader {
  public:
@@ -174,14 +197,16 @@ class MtlReader {
 MeshScene read_obj(const fs::path& path, bool with_materials) {
   const std::string text = read_text(path, kMostMeshBytes);
   ObjReader reader(path, with_materials);
-  for_each_line(text, [&](size_t line, std::string_view content) { reader.take(line, content); });
+  for_each_joined_line(text,
+                       [&](size_t line, std::string_view content) { reader.take(line, content); });
   return reader.finish();
 }
 
 std::vector<MeshMaterial> read_mtl(const fs::path& path, std::map<std::string, size_t>& left_out) {
   const std::string text = read_text(path, uint64_t(64) << 20);
   MtlReader reader(path, left_out);
-  for_each_line(text, [&](size_t line, std::string_view content) { reader.take(line, content); });
+  for_each_joined_line(text,
+                       [&](size_t line, std::string_view content) { reader.take(line, content); });
   return reader.finish();
 }
 

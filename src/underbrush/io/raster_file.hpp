@@ -14,6 +14,7 @@ struct Raster {
   double west = 0, north = 0;  ///< m; outer corner of the first cell.
   double cell_m = 1;           ///< m; side of a cell.
   uint16_t epsg = 0;           ///< Number of a projected reference system; 0 = not known.
+  double unit_m = 1;           ///< m; length of the unit in which a file that was read is.
 };
 
 /// Writes a GeoTIFF, atomically: one band of 32-bit floats in one strip, without compression, with

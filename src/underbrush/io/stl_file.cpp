@@ -37,9 +37,25 @@ class Vertices {
 };
 
 MeshScene read_binary(const fs::path& path, const std::string& bytes) {
+  if (bytes.size() < kHeader)
+    throw FormatError(path.string(), "", "truncated: the header has 84 bytes");
+  uint32_t n = 0;
+  std::memcpy(&n, bytes.data() + 80, 4);
+  const uint64_t there = (bytes.size() - kHeader) / kRow;
+  if (there < n) {
+    throw FormatError(path.string(), "",
+                      "truncated, or no STL file: by its header it has " + std::to_string(n) +
+                          " triangles, and bytes for " + std::to_string(there));
+  }
   MeshScene mesh;
+  const uint64_t behind = bytes.size() - kHeader - kRow * uint64_t(n);
+  if (behind > 0 && behind % kRow == 0) {
+    throw FormatError(path.string(), "",
+                      "its header counts " + std::to_string(n) +
+                          " triangles, and it has bytes for " + std::to_string(there));
+  }
+  if (behind > 0) mesh.left_out["bytes behind the last triangle"] = behind;
   Vertices vertices(mesh);
-  const size_t n = (bytes.size() - kHeader) / kRow;
   for (size_t k = 0; k < n; ++k) {
     float v[9];
     std::memcpy(v, bytes.data() + kHeader + k * kRow + 12, sizeof v);
@@ -64,15 +80,16 @@ MeshScene read_ascii(const fs::path& path, const std::string& text) {
   for_each_line(text, [&](size_t line, std::string_view content) {
     const auto words = words_of(content);
     if (words.empty()) return;
+    const std::string kind = lower(std::string(words[0]));
     const std::string place = "line " + std::to_string(line);
-    if (words[0] == "solid") {
+    if (kind == "solid") {
       part.object = words.size() > 1 ? std::string(words[1]) : "";
-    } else if (words[0] == "vertex") {
+    } else if (kind == "vertex") {
       if (words.size() < 4) throw FormatError(path.string(), place, "fewer than three values");
       const double x = mesh_coordinate(path, place, words[1]);
       const double y = mesh_coordinate(path, place, words[2]);
       corner.push_back(vertices.number_of({x, y, mesh_coordinate(path, place, words[3])}));
-    } else if (words[0] == "endfacet") {
+    } else if (kind == "endfacet") {
       if (corner.size() != 3) throw FormatError(path.string(), place, "a facet of not 3 vertices");
       mesh.add({corner[0], corner[1], corner[2]}, part);
       corner.clear();
@@ -85,18 +102,18 @@ MeshScene read_ascii(const fs::path& path, const std::string& text) {
 }  // namespace
 
 MeshScene read_stl(const fs::path& path) {
+  constexpr size_t kBeginning = 1024;
   const std::string bytes = read_file(path, kMostMeshBytes);
   uint32_t count = 0;
   if (bytes.size() >= kHeader) std::memcpy(&count, bytes.data() + 80, 4);
-  if (bytes.size() >= kHeader && bytes.size() == kHeader + kRow * uint64_t(count)) {
-    return read_binary(path, bytes);
-  }
-  if (!bytes.starts_with("solid")) {
-    throw FormatError(path.string(), "",
-                      bytes.size() < kHeader ? "truncated: the header has 84 bytes"
-                                             : "its size is not that of its number of triangles");
-  }
-  return read_ascii(path, bytes);
+  const bool exact = bytes.size() >= kHeader && bytes.size() == kHeader + kRow * uint64_t(count);
+  // Headers of binary files may begin with "solid" too.
+  const std::string beginning = lower(bytes.substr(0, kBeginning));
+  const size_t first = beginning.find_first_not_of(" \t\r\n");
+  const bool text = first != std::string::npos && beginning.compare(first, 5, "solid") == 0 &&
+                    (beginning.find("facet") != std::string::npos ||
+                     beginning.find("endsolid") != std::string::npos);
+  return text && !exact ? read_ascii(path, bytes) : read_binary(path, bytes);
 }
 
 }  // namespace underbrush::io

@@ -22,6 +22,19 @@ void check_sensor_of(const std::string& source, const std::string& option, const
 /// 32-bit floats. 0 otherwise.
 size_t coarse_times(const PointScan& scan);
 
+/// Throws `FormatError`, naming `source`, where misses of a sensor would be inferred for a scan
+/// that cannot have been made by all of its channels: three and a fifth of those between the lowest
+/// and the highest with returns have none, though the nearest ones above and below have many, and
+/// so at all errors of the elevations within 0.5° of `fault_rad`. Scans whose numbers of rings are
+/// the sensor's (`sensor::rings_are_channels`) may lack any rings.
+void check_channels_of(const std::string& source, const std::string& option, const PointScan& scan,
+                       const sensor::Sensor& sensor, double fault_rad);
+
+/// Returns a warning where twenty and a hundredth of a scan's returns lie at its greatest range to
+/// 1e-5 of it and 1 mm, as simulators store beams without a return, unless that is `max_range_m`,
+/// which makes them misses; else "".
+std::string warning_of_greatest_range(const PointScan& scan, double max_range_m);
+
 /// Returns a warning where half of a scan's returns are farther than 1 km, as those of a scan in
 /// millimetres are, else "".
 std::string warning_of_ranges(const PointScan& scan);

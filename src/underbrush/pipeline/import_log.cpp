@@ -58,6 +58,7 @@ io::InputOptions input_options(const ImportOptions& o) {
 sensor::BeamOptions beam_options(const ImportOptions& o, const io::Input& input) {
   sensor::BeamOptions out;
   out.elevation_offset_rad = o.elevation_offset_deg * M_PI / 180;
+  out.no_return_at_m = o.max_range_m;
   if (!std::isnan(o.unknown_below_deg)) {
     out.unknown_below_rad = out.recorded_unknown_below_rad = o.unknown_below_deg * M_PI / 180;
   }
@@ -133,9 +134,15 @@ using Progress = std::function<void(size_t, size_t)>;
 void check_first(const std::string& source, const PointScan& scan,
                  const sensor::BeamOptions& options, ImportReport& report) {
   if (options.deskew) check_sensor_of(source, "--deskew", scan, *options.deskew);
-  if (options.infer_misses) check_sensor_of(source, "--infer-misses", scan, *options.infer_misses);
-  const std::string far = warning_of_ranges(scan);
-  if (!far.empty()) report.warnings.push_back(far);
+  if (options.infer_misses) {
+    check_sensor_of(source, "--infer-misses", scan, *options.infer_misses);
+    check_channels_of(source, "--infer-misses", scan, *options.infer_misses,
+                      options.elevation_offset_rad);
+  }
+  for (std::string warning :
+       {warning_of_ranges(scan), warning_of_greatest_range(scan, options.no_return_at_m)}) {
+    if (!warning.empty()) report.warnings.push_back(std::move(warning));
+  }
 }
 
 /// Leaves out times of points that are too coarse to tell the motion within a scan.
@@ -236,6 +243,12 @@ std::string nothing_usable(const ImportReport& report, bool points_in_world) {
 }
 
 void warn_of_misses(ImportReport& report) {
+  if (2 * report.beam.scans_thinned > report.scans) {
+    report.warnings.push_back(
+        "neighbours in rings of " + std::to_string(report.beam.scans_thinned) +
+        " scans are mostly farther apart than the sensor's firings: if points were left out of "
+        "them, the inferred misses are none; import the whole scans");
+  }
   const auto lost = report.skipped.find(sensor::kNoGrid);
   if (lost == report.skipped.end()) return;
   const size_t recorded = report.beam.misses_recorded + lost->second;
@@ -271,7 +284,10 @@ ImportReport import_log(const std::filesystem::path& source, const ImportOptions
     import_scans(source.string(), keep, input, beams, write, progress, report);
     if (report.beams > 0 && report.beam.misses_recorded + report.beam.misses_inferred == 0) {
       input.notes.emplace_back(
-          "the log has no misses: hit probabilities cannot be learnt from it (see --infer-misses)");
+          options.infer_misses.empty()
+              ? "the log has no misses: hit probabilities cannot be learnt from it (see "
+                "--infer-misses)"
+              : "the log has no misses: no ring of it has a gap where one could be");
     }
   }
   report.skipped = input.skipped();

@@ -62,7 +62,8 @@ std::span<const Option<ImportOptions>> import_options() {
      "Infer misses from this sensor's scan pattern, for formats that drop them",
      [](O& o) -> auto& { return o.infer_misses; }, -kNoLimit, kNoLimit, {}, "SENSOR"},
     {"max-range", "More options", "m",
-     "Range of a miss; 0 = the maximum range of the sensor or of the log",
+     "Range of a miss; 0 = the maximum range of the sensor or of the log. Points of scans at this "
+     "range are misses",
      [](O& o) -> auto& { return o.max_range_m; }, 0, 1e6},
     {"points-in-world", "More options", "",
      "The points are in the world frame already, and the poses only give the place of the sensor",

@@ -76,6 +76,7 @@ Json json_of(const ImportReport& r) {
   j["later_returns"] = r.later_returns;
   j["unknown"] = r.beam.unknown;
   j["scans_ringed_by_elevation"] = r.beam.scans_ringed_by_elevation;
+  j["scans_with_rings_renumbered"] = r.beam.scans_with_rings_renumbered;
   j["skipped"] = r.skipped;
   j["clock"] = json_of(r.clock);
   j["notes"] = r.notes;

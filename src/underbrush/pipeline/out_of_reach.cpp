@@ -1,6 +1,7 @@
 #include "underbrush/pipeline/out_of_reach.hpp"
 
 #include <cstdio>
+#include <vector>
 
 namespace underbrush::pipeline {
 namespace {
@@ -58,6 +59,18 @@ std::string other_coordinates(const Bounds& sensor, const Bounds& world) {
   if (sensor.empty() || world.empty() || beside(sensor, world) <= kOtherCoordinatesM) return "";
   return places(sensor, world) + "they are " + length(beside(sensor, world)) +
          " apart, so one of them has coordinates of another system, such as UTM: shift the poses";
+}
+
+std::string ground_elsewhere(const Bounds& sensor, const elements::Scene& scene) {
+  std::vector<elements::Instance> with_ground;
+  for (const elements::Instance& placed : scene.instances) {
+    if (!scene.models.at(placed.model).ground.triangles.empty()) with_ground.push_back(placed);
+  }
+  if (with_ground.empty()) return "";
+  const Bounds ground = metrics::bounds_of(scene.models, with_ground);
+  if (sensor.empty() || beside(sensor, ground) <= kOtherCoordinatesM) return "";
+  return "no beam reaches the ground: the sensor lies at " + place(sensor) + ", the ground at " +
+         place(ground) + "; one of them has coordinates of another system, such as UTM";
 }
 
 std::string why_nothing_is_hit(const Bounds& sensor, const Bounds& world, double max_range_m) {

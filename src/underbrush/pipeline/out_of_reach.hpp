@@ -17,4 +17,8 @@ std::string why_nothing_is_hit(const metrics::Bounds& sensor, const metrics::Bou
 /// coordinates must be of different systems; else nothing.
 std::string other_coordinates(const metrics::Bounds& sensor, const metrics::Bounds& world);
 
+/// Returns one line with the places of the sensor and of the ground if all ground of a scene is so
+/// far away, whatever else is near; else nothing.
+std::string ground_elsewhere(const metrics::Bounds& sensor, const elements::Scene& scene);
+
 }  // namespace underbrush::pipeline

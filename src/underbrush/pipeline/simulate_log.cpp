@@ -101,6 +101,9 @@ SimulateCounts simulate_log(Simulation& simulation, BeamSource& beams,
   if (out.beams > 0 && out.hits == 0) {
     out.warnings.push_back(
         why_nothing_is_hit(sensor, simulation.world().bounds(), simulated.info().max_range_m));
+  } else if (const elements::Scene* scene = simulation.world().scene()) {
+    std::string elsewhere = ground_elsewhere(sensor, *scene);
+    if (!elsewhere.empty()) out.warnings.push_back(std::move(elsewhere));
   }
   return out;
 }

@@ -8,6 +8,7 @@
 #include "underbrush/sensor/angles.hpp"
 #include "underbrush/sensor/organised_scan.hpp"
 #include "underbrush/sensor/rays.hpp"
+#include "underbrush/sensor/ring_numbers.hpp"
 #include "underbrush/sensor/rings.hpp"
 
 namespace underbrush::sensor {
@@ -59,12 +60,24 @@ double revolution(const Sensor* sensor, const Trajectory& trajectory, double giv
   return n > 0 ? sum / double(n) : own;
 }
 
+// The numbers of rings as channels of the sensor.
+std::vector<uint16_t> numbered(const Job& job, const std::vector<uint16_t>& rings) {
+  std::vector<uint16_t> channels =
+      channels_of_rings(rings, job.scan.point, *job.sensor, job.options.elevation_offset_rad);
+  job.counts.scans_with_rings_renumbered += channels != rings;
+  return channels;
+}
+
 std::vector<uint16_t> rings_of(const Job& job) {
-  if (!job.scan.ring.empty()) return job.scan.ring;
+  if (!job.sensor && !job.scan.ring.empty()) return job.scan.ring;
+  if (!job.scan.ring.empty() && rings_are_told(job.scan, job.sensor->channels.size())) {
+    return numbered(job, job.scan.ring);
+  }
   std::vector<uint16_t> rings = rings_from_order(job.scan.point);
   const size_t found = rings.empty() ? 0 : rings.back() + size_t(1);
   if (!job.sensor) return found <= 256 ? rings : std::vector<uint16_t>(job.scan.size(), 0);
-  if (found == job.sensor->channels.size() || found == 0) return rings;
+  if (found == 0) return rings;
+  if (found == job.sensor->channels.size()) return numbered(job, rings);
   ++job.counts.scans_ringed_by_elevation;
   return rings_from_elevation(job.scan.point, *job.sensor, job.options.elevation_offset_rad);
 }
@@ -79,22 +92,29 @@ double time_at(const Job& job, double azimuth) {
          job.sensor->turn() * std::remainder(azimuth, 2 * M_PI) / (2 * M_PI) * job.revolution_s;
 }
 
+// Whether a point lies at this range, as far as floats and files in millimetres tell.
+bool is_at(const Vec3f& point, double range_m) {
+  return range_m > 0 && std::abs(point.cast<double>().norm() - range_m) <= 1e-5 * range_m + 1e-3;
+}
+
 // Makes the rays of all stored points that are a return or a known miss.
 std::vector<SensorRay> stored_rays(const Job& job, const std::optional<OrganisedScan>& grid) {
   const PointScan& scan = job.scan;
-  const std::vector<uint16_t> rings =
-      grid && scan.ring.empty() ? std::vector<uint16_t>() : rings_of(job);
-  const double fault = job.options.elevation_offset_rad;
+  const bool rows = grid && (scan.ring.empty() || !rings_are_told(scan, grid->rows));
+  const std::vector<uint16_t> rings = rows ? std::vector<uint16_t>() : rings_of(job);
+  const double fault = job.options.elevation_offset_rad, end_m = job.options.no_return_at_m;
   std::vector<SensorRay> rays;
   rays.reserve(scan.size());
   for (size_t i = 0; i < scan.size(); ++i) {
     SensorRay ray;
     ray.source = ray.place = uint32_t(i);
     ray.kind = kind_of(scan.point[i], job.sensor ? job.sensor->min_range_m : 0);
+    const bool empty = ray.kind == PointKind::kReturn && is_at(scan.point[i], end_m);
     ray.ring = rings.empty() ? uint16_t(grid->row(i)) : rings[i];
     if (ray.kind != PointKind::kNothing) {
       ray.azimuth_rad = azimuth_of(scan.point[i]);
       ray.elevation_rad = elevation_of(scan.point[i]);
+      if (empty) ray.kind = PointKind::kNothing;
     } else if (grid) {
       const Angles fired = grid->direction(i);
       ray.azimuth_rad = fired.azimuth_rad;
@@ -123,8 +143,10 @@ void infer(const Job& job, std::vector<SensorRay>& rays) {
   const size_t stored = rays.size();
   const InsertedMisses done =
       insert_misses(rays, sensor, step, job.options.unknown_below_rad,
+                    job.scan.info.world_from_sensor.rotation.conjugate() * Vec3::UnitZ(),
                     job.options.elevation_offset_rad, job.revolution_s, job.scan.info.time_s);
   job.counts.unknown += done.unknown;
+  job.counts.scans_thinned += done.thinned;
   if (!job.scan.time_s.empty()) return;
   for (size_t i = stored; i < rays.size(); ++i) rays[i].time_s = time_at(job, rays[i].azimuth_rad);
 }
@@ -266,7 +288,7 @@ BeamLog beams_from_scan(const PointScan& scan, const Trajectory& trajectory,
     log.info.min_range_m = sensor->min_range_m;
     log.info.max_range_m = sensor->max_range_m;
   }
-  log.info.has_misses = grid || options.infer_misses;
+  log.info.has_misses = grid || options.infer_misses || options.no_return_at_m > 0;
   log.info.deskewed = options.deskew.has_value();
   log.info.scans = {scan.info};
   return log;

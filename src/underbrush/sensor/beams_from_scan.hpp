@@ -37,6 +37,8 @@ struct BeamOptions {
   /// Formats do not distinguish misses from beams that the own robot blocked or whose returns were
   /// filtered out.
   double recorded_unknown_below_rad = -2;
+  /// Points at this range (m) are misses, which simulators store at their greatest range; 0 = none.
+  double no_return_at_m = 0;
 };
 
 /// The reason for which recorded misses are skipped.
@@ -49,12 +51,16 @@ struct BeamCounts {
   size_t misses_inferred = 0;  ///< Misses that were inserted.
   size_t unknown = 0;          ///< Beams without a return that may not be misses; left out.
   size_t scans_ringed_by_elevation = 0;  ///< Scans whose rings do not follow from the file's order.
+  /// Scans whose numbers of rings are not those of the sensor, but tell them.
+  size_t scans_with_rings_renumbered = 0;
+  size_t scans_thinned = 0;  ///< Scans that lack so many points that gaps tell no misses.
   std::map<std::string, size_t> skipped;  ///< Points left out, by reason.
 };
 
 /// Makes the beams of one scan and adds to `counts`.
 ///
-/// - Ring: it is the file's own number. An organised scan without one gives its row. Otherwise
+/// - Ring: it is the file's own number, made the sensor's by `channels_of_rings`, if the numbers
+///   tell rings apart (`rings_are_told`). An organised scan without one gives its row. Otherwise
 ///   rings are recovered from the file's order (KITTI: 0 = top), or, if that gives another number
 ///   of rings than the sensor has channels, from the elevation (index of the channel; counted).
 ///   Without a sensor, more than 256 recovered rings are not taken for rings, and all are 0.

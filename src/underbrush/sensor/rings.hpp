@@ -22,22 +22,30 @@ std::vector<uint16_t> rings_from_elevation(const std::vector<Vec3f>& points, con
 /// Counts of `insert_misses`.
 struct InsertedMisses {
   size_t inserted = 0;
-  size_t unknown = 0;  ///< Misses left out because their ring points below `unknown_below_rad`.
+  size_t unknown = 0;  ///< Beams left out because they may have been no misses.
+  /// Whether more than 40 % of neighbours in rings are farther apart than a step, as where points
+  /// were left out of the scan.
+  bool thinned = false;
 };
 
 /// Appends to `rays` the misses that the format dropped.
 ///
 /// Within a ring, neighbours (also across azimuth 0) that are more than 1.8 steps apart get
 /// round(gap/step) − 1 misses between them, evenly spaced, with interpolated elevation and time.
-/// The step is the scan's own: the median over rings of the mean gap below 1.8 `nominal_step_rad`.
+/// The step is the scan's own: the median over rings of the mean gap below 1.8 `nominal_step_rad`,
+/// or the usual gap where that is larger and 60 % of all gaps are within 15 % of it.
 /// A ring of `sensor` without any return becomes a whole turn of misses at its catalogue elevation
-/// and `time_s`, provided that at least half of the sensor's rings have returns.
+/// and `time_s`, provided that at least half of the sensor's rings have returns. It is unknown
+/// where the nearest rings with returns have them in more than half of the turn, unless it lies
+/// above the horizon and above all of them: only rings at the edge to the sky miss everything.
 ///
-/// Whether a ring is unknown depends on its catalogue elevation if `sensor` numbers its rings in
-/// the same direction as the scan, else on the median elevation of its returns plus `fault_rad`.
+/// A beam below `unknown_below_rad` is unknown. That is told of its ring: by its catalogue
+/// elevation if `sensor` numbers its rings in the same direction as the scan, else by the median
+/// elevation of its returns plus `fault_rad`. `up` is the world's up in the sensor's frame. Where
+/// it is more than 45° from the sensor's z, each beam counts with its own elevation in the world.
 /// `revolution_s` serves to recognise a gap at the scan's own seam, where times jump.
 InsertedMisses insert_misses(std::vector<SensorRay>& rays, const Sensor& sensor,
-                             double nominal_step_rad, double unknown_below_rad, double fault_rad,
-                             double revolution_s, double time_s);
+                             double nominal_step_rad, double unknown_below_rad, const Vec3& up,
+                             double fault_rad, double revolution_s, double time_s);
 
 }  // namespace underbrush::sensor

@@ -23,6 +23,7 @@ struct Geometry {
   PartModels models;
   Vec3 offset = Vec3::Zero();  ///< The origin of the models, in coordinates of the file.
   double lowest = 0;           ///< m; in the file's coordinates, with z up.
+  double unit_m = 1;           ///< m; unit of the file, if that states one.
 };
 
 /// Finds the values of a filter's parameters.
@@ -115,6 +116,11 @@ class SceneReader {
       ++world_.report.left_out["parts without a geometry that can be read"];
       return;
     }
+    if (geometry->unit_m != 1 && place.scale == 1) {
+      xml_.fail(part,
+                "its map is in feet: add a filter scale of 0.3048, or 'gdalwarp -t_srs "
+                "EPSG:NUMBER' makes a map in metres");
+    }
     put(*geometry, place, on_ground);
   }
 
@@ -187,16 +193,21 @@ class SceneReader {
 
   /// A surface through the middles of the cells of an elevation map.
   Geometry terrain_of(const std::string& name, const Parameters& p) {
-    const io::Raster map = io::read_geotiff(assets_.path(xml_.path(), name));
+    const io::Raster map =
+        io::read_geotiff(assets_.path(xml_.path(), name), world_.report.left_out);
     io::MeshScene mesh;
     const std::string material = p.text("matname");
     const io::MeshPart part{"", material.empty() ? "ground" : material};
+    const auto height =
+        std::find_if(map.value.begin(), map.value.end(), [](float z) { return std::isfinite(z); });
+    if (height == map.value.end()) throw FormatError(name, "", "it has no heights");
     for (uint32_t r = 0; r < map.rows; ++r) {
       for (uint32_t c = 0; c < map.columns; ++c) {
         const uint32_t at = r * map.columns + c;
         const double z = double(map.value[at]);
         mesh.vertices.emplace_back(map.west + (c + 0.5) * map.cell_m,
-                                   map.north - (r + 0.5) * map.cell_m, std::isfinite(z) ? z : 0);
+                                   map.north - (r + 0.5) * map.cell_m,
+                                   std::isfinite(z) ? z : double(*height));
         if (r == 0 || c == 0) continue;
         const uint32_t above = at - map.columns;
         const float sum =
@@ -206,12 +217,14 @@ class SceneReader {
         mesh.add({above - 1, at, above}, part);
       }
     }
-    if (mesh.triangles.empty()) throw FormatError(name, "", "it has no heights");
+    if (mesh.triangles.empty()) throw FormatError(name, "", "no four cells that meet have heights");
     const std::string material_file = p.text("matfile");
     if (!material_file.empty()) {
       mesh.materials = io::read_mtl(assets_.path(xml_.path(), material_file), mesh.left_out);
     }
-    return geometry_of(mesh);
+    Geometry out = geometry_of(mesh);
+    out.unit_m = map.unit_m;
+    return out;
   }
 
   Geometry geometry_of(const io::MeshScene& mesh) {

@@ -64,8 +64,10 @@ void add_model(World& world, const io::MeshScene& mesh, const io::MeshPart& part
 
 bool has_faces(const fs::path& path) try {
   const io::PlyHeader header = io::read_ply_header(InputFile(path));
-  return std::any_of(header.elements.begin(), header.elements.end(),
-                     [](const auto& e) { return e.name == "face" && e.count > 0; });
+  return std::any_of(header.elements.begin(), header.elements.end(), [](const auto& e) {
+    return (e.name == "face" || e.name == "tristrips") &&
+           e.count > 0;  // The reader refuses strips.
+  });
 } catch (const FormatError&) {
   return false;
 }

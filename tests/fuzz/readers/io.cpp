@@ -111,7 +111,11 @@ const Reader kReaders[] = {
     {"mesh-ply", "tree.ply binary.ply", [](const Path& path) { io::read_mesh_scene(path); }},
     {"gltf", "tree.gltf inline.gltf", [](const Path& path) { io::read_mesh_scene(path); }},
     {"glb", "tree.glb", [](const Path& path) { io::read_mesh_scene(path); }},
-    {"geotiff", "geotiff/*", [](const Path& path) { io::read_geotiff(path); }},
+    {"geotiff", "geotiff/*",
+     [](const Path& path) {
+       std::map<std::string, size_t> left_out;
+       io::read_geotiff(path, left_out);
+     }},
     {"words", "times.txt raw/oxts/timestamps.txt table.csv", read_words},
 };
 
