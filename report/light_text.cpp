@@ -49,11 +49,11 @@ std::string text_of_light(const elements::Model& m) {
 }
 
 std::string intensities_in_words(std::span<const elements::Model> models, const LogInfo& asking,
-                                 bool instrument) {
+                                 bool is_learnt) {
   const auto has_light = [](const elements::Model& m) { return m.light.known(); };
   const auto lit = std::find_if(models.begin(), models.end(), has_light);
   if (lit == models.end()) return "";
-  if (instrument) return "of the sensor and the materials; the learnt light is not used";
+  if (!is_learnt) return "of the sensor and the materials; the learnt light is not used";
   std::string text =
       "learnt from a log of " + with_wavelength(lit->sensor, lit->sensor_file) + ", in its unit";
   if (lit->sensor != asking.sensor || lit->sensor_file != asking.sensor_file) {

@@ -15,9 +15,9 @@ namespace underbrush::report {
 std::string text_of_light(const elements::Model& model);
 
 /// Returns one line on the source of intensities and the assumptions about them: from the light
-/// that the models have learnt, or from radiometry and materials if `instrument`. `asking` is the
+/// that the models have learnt if `is_learnt`, else from radiometry and materials. `asking` is the
 /// sensor of the beams, with its wavelength where it is known. Empty where no model has light.
 std::string intensities_in_words(std::span<const elements::Model> models, const LogInfo& asking,
-                                 bool instrument);
+                                 bool is_learnt);
 
 }  // namespace underbrush::report

@@ -107,11 +107,13 @@ pipeline::RequestedBeams beams_of(const Arguments& a) {
   }
   require(!a.trajectory.empty() && a.sensor.empty() == !a.rig.empty(),
           "simulate: give --like LOG, or --sensor NAME or --rig FILE with --trajectory POSES");
+  std::optional<sensor::Sensor> sensor;
+  if (!a.sensor.empty()) sensor = sensor::load(a.sensor);
   const Trajectory path = io::read_trajectory(a.trajectory);
   if (path.empty()) throw FormatError(a.trajectory, "", "holds no pose");
   try {
-    if (!a.rig.empty()) return {perception::load_rig(a.rig), path};
-    return {sensor::load(a.sensor), path};
+    if (!sensor) return {perception::load_rig(a.rig), path};
+    return {std::move(*sensor), path};
   } catch (const std::invalid_argument& e) {
     throw FormatError(a.trajectory, "", e.what());
   }
@@ -199,8 +201,8 @@ void report(const Verb& verb, const Arguments& a, const Done& done,
   const double mean_traced =
       double(done.simulation.rays_traced()) / double(std::max<size_t>(1, n.beams));
   const std::string lost = lost_in(a);
-  const std::string intensities =
-      report::intensities_in_words(traced.models(), done.beams, sub_rays > 0);
+  const std::string intensities = report::intensities_in_words(traced.models(), done.beams,
+                                                               done.simulation.uses_learnt_light());
   Json j;
   j["beams"] = n.beams;
   j["hits"] = n.beams - misses;

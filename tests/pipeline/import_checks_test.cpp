@@ -6,8 +6,8 @@
 #include <functional>
 
 #include "underbrush/core/check.hpp"
-#include "underbrush/pipeline/copies.hpp"
 #include "underbrush/core/rng.hpp"
+#include "underbrush/pipeline/copies.hpp"
 
 namespace underbrush::pipeline {
 namespace {

@@ -102,9 +102,9 @@ CompletedBox complete(const SegmentShape& shape, ObjectClass label,
                         options.measured_sigma_m, seen ? options.hidden_probability : 1.0);
     out.box.size_m[axis] = e.mean;
     out.sigma_m[axis] = e.sigma;
-    const double near =
-        axis == 2 ? -1
-                  : std::clamp(shape.viewpoint_m[axis] / std::max(measured / 2, 0.05), -1.0, 1.0);
+    double near = std::clamp(shape.viewpoint_m[axis] / std::max(measured / 2, 0.05), -1.0, 1.0);
+    // From above, the top is seen, and what is near the ground may have been taken for it.
+    if (axis == 2) near = near < 1 ? -1 : 1;
     shift[axis] = -near * (e.mean - measured) / 2;
   }
   out.box.centre_m = shape.box.from_box(shift);

@@ -112,6 +112,14 @@ void restore_recorder(TrainedModel& known) {
   set_recorder(sensor::sensor_of_log(known.folder.string(), recorder), training.options);
 }
 
+/// Throws if the options name another sensor than the log.
+void check_recorder(const FitLog& log, const fit::FitOptions& options) {
+  const std::string& named = log.beams.info().sensor;
+  if (options.sensor.empty() || named.empty() || options.sensor == named) return;
+  throw FormatError(log.file.empty() ? "log" : log.file.string(), "",
+                    "it names its sensor, " + named + ", which is not " + options.sensor);
+}
+
 /// Throws unless the earlier logs are those of the training and the new one is none of them.
 void check_hashes(const Origin& origin, const fit::Training& training,
                   const std::vector<fs::path>& files, const fs::path& added) {
@@ -143,6 +151,7 @@ void set_recorder(const sensor::Sensor& sensor, fit::FitOptions& options) {
 
 FittedModel fit_model(const FitLog& log, const fit::FitOptions& options,
                       const Provenance& provenance, const fit::FitProgress& progress) {
+  check_recorder(log, options);
   const auto start = Clock::now();
   FittedModel out = completed(on_log(log, [&] { return fit::fit(log.beams, options, progress); }),
                               log, options, provenance);

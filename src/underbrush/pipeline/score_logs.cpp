@@ -8,8 +8,8 @@ namespace {
 /// Opens parts of a world of regions for a score.
 class Parts {
  public:
-  Parts(const TracedWorld& world, const std::string& memory)
-      : world_(world), open_(*world.regions(), regions::memory_of(memory)) {}
+  Parts(const TracedWorld& world, uint64_t memory_bytes)
+      : world_(world), open_(*world.regions(), memory_bytes) {}
 
   metrics::OpenPart open(const BeamLog& beams, size_t begin, double range_m) {
     const size_t end = open_.open_for(beams, begin, {range_m});
@@ -56,9 +56,10 @@ metrics::Score score_logs(BeamSource& real, BeamSource& simulated, const TracedW
     options.world = &world->still();
     if (world->still().is_one_model()) options.model = options.world;
   }
+  const uint64_t memory_bytes = regions::memory_of(memory);
   std::optional<Parts> parts;
   if (world && world->regions()) {
-    parts.emplace(*world, memory);
+    parts.emplace(*world, memory_bytes);
     options.open = [&](const BeamLog& beams, size_t begin, double range_m) {
       return parts->open(beams, begin, range_m);
     };

@@ -139,6 +139,7 @@ class Simulation::OfSensor {
     if (has_learnt_light(options.instrument, sensor_, recorder) && knows_light(world)) {
       echoes.learnt_light = thin_.intensity;
     }
+    has_learnt_light_ = echoes.learnt_light.has_value();
     maker_ =
         std::make_unique<simulate::EchoMaker>(world.dynamic(), *reflection_, instrument_, echoes);
   }
@@ -182,6 +183,7 @@ class Simulation::OfSensor {
   }
 
   size_t sub_rays() const { return maker_ ? instrument_.sub_rays.size() : 0; }
+  bool uses_learnt_light() const { return !maker_ || has_learnt_light_; }
   size_t rays_traced() const { return maker_ ? maker_->rays() : 0; }
   const sensor::Sensor& sensor() const { return sensor_; }
   bool keyframes_serve(const LogInfo& beams) const {
@@ -200,6 +202,7 @@ class Simulation::OfSensor {
   simulate::Instrument instrument_;
   std::unique_ptr<simulate::Reflection> reflection_;
   std::unique_ptr<simulate::EchoMaker> maker_;
+  bool has_learnt_light_ = false;  // of the instrument
 };
 
 Simulation::Simulation(const TracedWorld& world, SimulateOptions options, const SensorOf& sensor_of)
@@ -226,8 +229,9 @@ Simulation::Simulation(const TracedWorld& world, const SimulateOptions& options,
 
 void Simulation::prepare() {
   options_.check();
+  const uint64_t memory = regions::memory_of(options_.memory);
   if (const regions::WorldFolder* folder = world_->regions()) {
-    open_ = std::make_unique<regions::OpenRegions>(*folder, regions::memory_of(options_.memory));
+    open_ = std::make_unique<regions::OpenRegions>(*folder, memory);
   }
   use(*world_);
   if (!open_) sensor_of_.clear();
@@ -246,6 +250,8 @@ void Simulation::use(const TracedWorld& world) {
 
 Simulation::Simulation(Simulation&&) noexcept = default;
 Simulation::~Simulation() = default;
+
+bool Simulation::uses_learnt_light() const { return answers_[0]->uses_learnt_light(); }
 
 size_t Simulation::sub_rays() const { return answers_[0]->sub_rays(); }
 

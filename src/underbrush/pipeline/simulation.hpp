@@ -56,6 +56,9 @@ class Simulation {
   /// The number of sub-rays of a beam, 0 for thin rays; and of those that were traced so far.
   size_t sub_rays() const;
   size_t rays_traced() const;
+  /// Whether intensities follow from the light that models have learnt, and not from radiometry and
+  /// materials.
+  bool uses_learnt_light() const;
   /// The sensor of an instrument, of a rig the first one; without a name for thin rays.
   const sensor::Sensor& sensor() const;
   /// Whether keyframes of the world's model are used for such beams.

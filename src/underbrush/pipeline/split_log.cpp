@@ -112,6 +112,10 @@ void SplitOptions::check() const {
   const int choices = (every > 0) + (columns > 0) + !time.empty() + !region.empty();
   require(choices == 1, "split: give one of --every, --columns, --time and --region");
   check_options("split", split_options(), *this);
+  require(every + columns == 0 || (offset >= 0 && offset < every + columns),
+          "split: --offset is the number in a group of --every or --columns, from 0");
+  require(time.empty() || time.size() != 2 || time[0] < time[1],
+          "split: --time takes the earlier time first");
   require((time.empty() || time.size() == 2) && (region.empty() || region.size() == 4),
           "split: a time has two numbers and a region four");
 }

@@ -71,11 +71,10 @@ return kOptions;
 
 Canopy canopy_of_world(const fs::path& path, const RasterOptions& options) {
   check_options("rasters", raster_options(), options);
+  const uint64_t memory = regions::memory_of(options.memory);
   const pipeline::World world = pipeline::open_world(path);
   try {
-    if (world.regions) {
-      return canopy_of_regions(*world.regions, regions::memory_of(options.memory), options.canopy);
-    }
+    if (world.regions) return canopy_of_regions(*world.regions, memory, options.canopy);
     return canopy_of(world.scene, pipeline::TracedWorld(world.scene, world.info).still(),
                      options.canopy);
   } catch (const DataError& e) {

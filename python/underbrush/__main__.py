@@ -1,0 +1,6 @@
+"""`python -m underbrush` is the command `underbrush`."""
+import sys
+
+from .cli import main
+
+sys.exit(main())
