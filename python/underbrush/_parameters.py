@@ -177,7 +177,9 @@ class ImportParameters(TypedDict, total=False):
     #: Turn every beam up by this angle, for a known fault of the recording (KITTI: 0.205) (default 0).
     elevation_offset_deg: float
     infer_misses: str  #: Infer misses from this sensor's scan pattern, for formats that drop them.
-    max_range: float  #: Range of a miss; 0 = the maximum range of the sensor or of the log (m; default 0).
+    #: Range of a miss; 0 = the maximum range of the sensor or of the log. Points of scans at this range are misses
+    #: (m; default 0).
+    max_range: float
     #: The points are in the world frame already, and the poses only give the place of the sensor (default false).
     points_in_world: bool
 

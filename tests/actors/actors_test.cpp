@@ -196,7 +196,9 @@ TEST(Actors, TheReplayOfALearntActorMeasuresWhatWasMeasured) {
     near += std::abs(again.range_m[i] - d.log.range_m[i]) < 0.15;
   }
   EXPECT_GT(double(near), 0.9 * double(car));
-  EXPECT_LT(double(ghosts), 0.02 * double(car));
+  // The car reaches half way to the next ring beyond its edges: its rings fall on each other in all
+  // scans, so that nothing is known between them.
+  EXPECT_LT(double(ghosts), 0.03 * double(car));
 }
 
 /// The share of beams across the actor's box, from its left side or from its right one, that meet

@@ -1,6 +1,7 @@
 #include "underbrush/jobs/child.hpp"
 
 #include <fcntl.h>
+#include <malloc.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -39,6 +40,8 @@ ChildEnd run_child(std::vector<std::string> words, const std::filesystem::path& 
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   const pid_t parent = ::getpid();
+  // The peak memory of a process counts what it has between fork and exec, a copy of this process.
+  ::malloc_trim(0);
   const auto begin = Clock::now();
   const pid_t child = ::fork();
   if (child == 0) become(printed.c_str(), pointers, parent);

@@ -23,7 +23,7 @@ constexpr size_t kCalibrated = 3;
 constexpr size_t kBeams = pipeline::kSimulatedBeams;
 /// Rows of which enough are no held-out beams for a fit to take its first steps from shares.
 constexpr size_t kLongLog = credit::kLongLog * 11 / 10;
-constexpr size_t kLeastRows = 20000;
+constexpr size_t kLeastRows = 1 << 17;  // of which a run takes about a second
 /// A fit keeps no longer log in memory.
 constexpr double kKeptRows = 6e6;
 

@@ -112,12 +112,21 @@ void restore_recorder(TrainedModel& known) {
   set_recorder(sensor::sensor_of_log(known.folder.string(), recorder), training.options);
 }
 
-/// Throws if the options name another sensor than the log.
+/// Throws if the options name a sensor that has fewer channels than the one that the log names.
 void check_recorder(const FitLog& log, const fit::FitOptions& options) {
-  const std::string& named = log.beams.info().sensor;
-  if (options.sensor.empty() || named.empty() || options.sensor == named) return;
-  throw FormatError(log.file.empty() ? "log" : log.file.string(), "",
-                    "it names its sensor, " + named + ", which is not " + options.sensor);
+  const LogInfo& info = log.beams.info();
+  if (options.sensor.empty() || info.sensor.empty() || options.sensor == info.sensor) return;
+  const std::string name = log.file.empty() ? "log" : log.file.string();
+  LogInfo given;
+  given.sensor = options.sensor;
+  given.sensor_file = options.sensor_file;
+  if (sensor::sensor_of_log(name, info).channels.size() <=
+      sensor::sensor_of_log(name, given).channels.size()) {
+    return;
+  }
+  throw FormatError(name, "",
+                    "it names its sensor, " + info.sensor + ", which has more channels than " +
+                        options.sensor + " (--sensor)");
 }
 
 /// Throws unless the earlier logs are those of the training and the new one is none of them.
