@@ -21,9 +21,9 @@ TrustSample sample(bool returns, double elements) {
   return s;
 }
 
-// Of a thousand beams, elements of the weight w that pass half of them leave 1 − w / 2 without a
-// return. Beams into the sky, for which elements and pixels agree, change nothing, however many
-// they are.
+// Elements that stop half of the beams, with the weight w beside pixels without a return, give a
+// share w / 2 of the beams a return. Beams into the sky do not change the weight, however many they
+// are, because elements and pixels agree on them.
 TEST(KeyframeTrust, IsTheMostLikelyOneBesideBeamsThatTellNothing) {
   for (const double weight : {0.1, 0.8, 1.0}) {
     for (const int sky : {0, 20000}) {

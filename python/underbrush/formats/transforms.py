@@ -169,9 +169,9 @@ class FrameTree:
             if bodies:
                 return LidarPoses(None, ask=f"the point clouds are in {lidar}, in which several frames move "
                                             f"({', '.join(bodies)}): add --poses FILE")
-        if any(self._moves(*edge) for edge in edges) or (edges and (
-                not self._topics and chain[-1] in FIXED or not all(self._edges[a][b].static for a, b in edges) and (
-                    not self._topics or chain[-1] in FIXED))):
+        # Transforms that stand still are those of a lidar that stands still, where two signs of the three say so.
+        signs = not self._topics, chain[-1] in FIXED, not all(self._edges[a][b].static for a, b in edges)
+        if any(self._moves(*edge) for edge in edges) or (edges and sum(signs) >= 2):
             return LidarPoses(self._product(self._path(chain[-1], lidar)), "/tf: " + " -> ".join(reversed(chain)))
         return LidarPoses(None, ask=f"no transforms lead from {lidar or 'no name'}, the frame of the point clouds, to one "
                                     f"in which it moves (there are {', '.join(frames)})")
