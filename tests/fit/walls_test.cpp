@@ -86,15 +86,20 @@ double share_of_returns(const BeamLog& log) {
   return double(hits) / double(log.size());
 }
 
-/// The share of the beams from (0, 0, 0) half way between the rings of a scan that return, where
-/// `share` of those of the rings do.
-double between_the_rings(double share) {
+/// The share of the beams from (0, 0, 0) half way between the rings of scans that return, where
+/// `share` of those of the rings do. The scans are 0.6 m apart on a level way along the wall.
+double between_the_rings(double share, uint32_t scans = 1) {
   Stream random(29);
   BeamLog log, asked;
   log.info.has_misses = asked.info.has_misses = true;
   log.info.max_range_m = asked.info.max_range_m = 40;
   constexpr double kBetween = 0.02;
-  add_rings(log, 0, 12, 0.01, kBetween, share, random);
+  for (uint32_t scan = 0; scan < scans; ++scan) {
+    const size_t first = log.size();
+    add_rings(log, scan, 12, 0.01, kBetween, share, random);
+    for (size_t i = first; i < log.size(); ++i) log.origin[i].x() = 0.6 * scan;
+    log.info.scans.back().world_from_sensor.translation.x() = 0.6 * scan;
+  }
   add_rings(asked, 0, 11, 0.01 + kBetween / 2, kBetween, 0, random);
   MemorySource source(log);
   FitOptions options;
@@ -105,6 +110,11 @@ double between_the_rings(double share) {
 }
 
 TEST(FitOfAWall, IsClosedBetweenTheRingsOfAScan) { EXPECT_GT(between_the_rings(1), 0.95); }
+
+// The rings of all scans fall on each other and close no gap.
+TEST(FitOfAWall, IsClosedBetweenTheRingsOfALevelDriveAlongIt) {
+  EXPECT_GT(between_the_rings(1, 16), 0.97);
+}
 
 TEST(FitOfAWall, BetweenTheRingsAPermeableOneReturnsSomeOfTheBeams) {
   const double share = between_the_rings(0.6);
