@@ -4,7 +4,7 @@
 # precompiled header, so that -fno-trapping-math, for one, would be lost there. Turn UNDERBRUSH_UNITY off while working on one file again and again.
 option(UNDERBRUSH_PCH "Compile what most sources include once, ahead of them" ON)
 option(UNDERBRUSH_UNITY "Compile several sources of a target at once" ON)
-set(UNDERBRUSH_UNITY_BATCH 17 CACHE STRING "Sources to a compiler run")
+set(UNDERBRUSH_UNITY_BATCH 22 CACHE STRING "Sources to a compiler run")
 
 # ccache keeps nothing of a source with a precompiled header unless it is told that this is well.
 if(UNDERBRUSH_PCH AND "$CACHE{CMAKE_CXX_COMPILER_LAUNCHER}" MATCHES "ccache$")
@@ -15,7 +15,7 @@ endif()
 
 # GCC reads a precompiled header into the memory that it collects, and would mark all of it at each collection.
 if(UNDERBRUSH_PCH AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  add_compile_options(--param=ggc-min-heapsize=600000)
+  add_compile_options(--param=ggc-min-heapsize=900000)
 endif()
 
 # A precompiled header for each kind of target, compiled once: the first target that asks for it owns it, and all
@@ -25,7 +25,7 @@ set(underbrush_pch_library
     <algorithm> <array> <bit> <charconv> <cmath> <cstdint> <cstdio> <cstring> <filesystem> <fstream>
     <functional> <limits> <map> <memory> <numeric> <optional> <set> <span> <sstream> <string>
     <string_view> <unordered_map> <utility> <vector>
-    <Eigen/Core> <Eigen/Geometry> <Eigen/LU> <Eigen/Cholesky> <Eigen/Eigenvalues> <nlohmann/json.hpp>)
+    <Eigen/Core> <Eigen/Geometry> <Eigen/LU> <nlohmann/json.hpp>)
 set(underbrush_pch_outer ${underbrush_pch_library})
 set(underbrush_pch_test ${underbrush_pch_library} <gtest/gtest.h>)
 

@@ -1,12 +1,11 @@
 #include "underbrush/actors/registration.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <optional>
 
 #include "underbrush/core/kd_tree.inl"
+#include "underbrush/core/linear.hpp"
 #include "underbrush/core/parallel.hpp"
 
 namespace underbrush::actors {
@@ -74,11 +73,10 @@ class Cloud {
     for (size_t k = 0; k < count; ++k) mean += near[k] / double(count);
     Mat3 spread = Mat3::Zero();
     for (size_t k = 0; k < count; ++k) spread += (near[k] - mean) * (near[k] - mean).transpose();
-    const Eigen::SelfAdjointEigenSolver<Mat3> axes(spread);
-    const Vec3& extent = axes.eigenvalues();
+    const auto [extent, axes] = spectrum(spread);
     const bool is_line = extent[1]<0.02 * extent[2], is_ball = extent[0]> 0.3 * extent[1];
     if (is_line || is_ball) return {};
-    return Plane{axes.eigenvectors().col(0), mean};
+    return Plane{axes.col(0), mean};
   }
 
  private:
@@ -111,7 +109,7 @@ Vec4 step_of(const Placed& placed, uint32_t view, const Cloud& cloud,
     normal += w * row * row.transpose();
     right -= w * r * row;
   }
-  return normal.ldlt().solve(right);
+  return solve(normal, right);
 }
 
 double median_distance(const std::vector<Placed>& views, double reach_m) {

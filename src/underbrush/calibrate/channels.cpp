@@ -1,7 +1,5 @@
 #include "underbrush/calibrate/channels.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -9,6 +7,7 @@
 
 #include "underbrush/core/cells.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/linear.hpp"
 #include "underbrush/core/parallel.hpp"
 
 namespace underbrush::calibrate {
@@ -116,13 +115,11 @@ std::vector<Observation> observations_of(const std::vector<Point>& points,
     const Vec3 from_mean = place(points[p]) - mean;
     spread += from_mean * from_mean.transpose();
   }
-  Eigen::SelfAdjointEigenSolver<Mat3> eigen;
-  eigen.computeDirect(spread / double(cell.size()));
-  const Vec3 variance = eigen.eigenvalues().cwiseMax(0);
+  const auto [values, axes] = quick_spectrum(spread / double(cell.size()));
+  const Vec3 variance = values.cwiseMax(0);
   const bool flat = variance[0] < thickest_m * thickest_m && variance[1] > 0.05 * 0.05 &&
                     variance[0] < 0.1 * variance[1];
   if (!flat) return {};
-  const Mat3& axes = eigen.eigenvectors();
   const double farthest = 3 * std::max(std::sqrt(variance[0]), 0.005);
   std::vector<Observation> out;
   for (size_t i = 0; i < cell.size();) {
@@ -268,7 +265,7 @@ ChannelOffsets learn_offsets(BeamSource& log, const ChannelOptions& options) {
     matrix.diagonal().array() += prior;
     matrix.array() -= (1 - kMeanPrior) * prior / n;
     right.array() -= prior * (at.array() - (1 - kMeanPrior) * at.mean());
-    covariance = matrix.ldlt().solve(Eigen::MatrixXd::Identity(long(rings), long(rings)));
+    covariance = inverse(matrix);
     const Eigen::VectorXd step = covariance * right;
     for (size_t i = 0; i < rings; ++i) offset[i] += step[long(i)];
   }

@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "underbrush/core/cells.hpp"
+#include "underbrush/core/linear.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/sensor/sensor.hpp"
 #include "underbrush/trace/unknown_space.hpp"
@@ -53,7 +54,7 @@ struct Cell {
     if (count < kFewestReturns) return false;
     const Vec3 mean = sum / count;
     const Mat3 covariance = squares / count - mean * mean.transpose();
-    const Vec3 principal = Eigen::SelfAdjointEigenSolver<Mat3>(covariance).eigenvalues();
+    const Vec3 principal = spectrum(covariance).values;
     return principal[0] > kThinnest * principal.sum();
   }
 };

@@ -1,10 +1,10 @@
 #include "underbrush/cluster/top_down.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/linear.hpp"
 
 namespace underbrush::cluster {
 namespace {
@@ -64,12 +64,11 @@ class TopDownSplitter {
     const double n = total(3, 3);
     const Vec3 mean = total.topRightCorner<3, 1>() / n;
     const Mat3 scatter = total.topLeftCorner<3, 3>() - n * mean * mean.transpose();
-    Eigen::SelfAdjointEigenSolver<Mat3> eigen;
-    eigen.computeDirect(scatter / std::max(1.0, n - 1));
-    const double largest = std::max(eigen.eigenvalues()[2], options_.noise_m * options_.noise_m);
+    const auto [variances, axes] = quick_spectrum(scatter / std::max(1.0, n - 1));
+    const double largest = std::max(variances[2], options_.noise_m * options_.noise_m);
     Gaussian g;
     g.mean = (about.head<3>().cast<double>() + mean).cast<float>();
-    g.axis = eigen.eigenvectors().col(2).cast<float>();
+    g.axis = axes.col(2).cast<float>();
     g.largest_sigma = std::sqrt(largest);
     return g;
   }

@@ -1,7 +1,5 @@
 #include "underbrush/elements/model.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <utility>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/linear.hpp"
 #include "underbrush/elements/classes.hpp"
 
 namespace underbrush::elements {
@@ -186,8 +185,7 @@ void Model::check() const {
     require(e.mean.allFinite(), "model: an ellipsoid's mean is not finite");
     const Mat3 sigma = e.covariance_matrix();
     require(sigma.allFinite(), "model: a covariance is not finite");
-    require(Eigen::LLT<Mat3>(sigma).info() == Eigen::Success,
-            "model: a covariance is not positive definite");
+    require(is_positive_definite(sigma), "model: a covariance is not positive definite");
     require(std::isfinite(e.density_per_m) && e.density_per_m >= 0,
             "model: an ellipsoid's density is negative or not finite");
     check_hit(e.hit);
@@ -204,22 +202,19 @@ Mat3 floored_covariance(const Mat3& sigma, double floor_m) {
   Mat3 symmetric = 0.5 * (sigma + sigma.transpose());
   const double least = floor_m * floor_m;
   if (is_positive(symmetric - least * Mat3::Identity())) return symmetric;
-  Eigen::SelfAdjointEigenSolver<Mat3> eigen;
-  eigen.computeDirect(symmetric);
-  const Mat3& v = eigen.eigenvectors();
-  const Mat3 out = v * eigen.eigenvalues().cwiseMax(least).asDiagonal() * v.transpose();
+  const auto [values, v] = quick_spectrum(symmetric);
+  const Mat3 out = v * values.cwiseMax(least).asDiagonal() * v.transpose();
   return 0.5 * (out + out.transpose());
 }
 
 Mat3 floored_covariance(const Mat3& sigma, const Mat3& least) {
   Mat3 symmetric = 0.5 * (sigma + sigma.transpose());
   if (is_positive(symmetric - least)) return symmetric;
-  const Mat3 root = Eigen::LLT<Mat3>(least).matrixL(), whiten = root.inverse();
+  const Mat3 root = cholesky(least), whiten = root.inverse();
   const Mat3 whitened = whiten * symmetric * whiten.transpose();
-  Eigen::SelfAdjointEigenSolver<Mat3> eigen;
-  eigen.computeDirect(0.5 * (whitened + whitened.transpose()));
-  const Mat3 v = root * eigen.eigenvectors();
-  const Mat3 out = v * eigen.eigenvalues().cwiseMax(1).asDiagonal() * v.transpose();
+  const auto [values, vectors] = quick_spectrum(0.5 * (whitened + whitened.transpose()));
+  const Mat3 v = root * vectors;
+  const Mat3 out = v * values.cwiseMax(1).asDiagonal() * v.transpose();
   return 0.5 * (out + out.transpose());
 }
 

@@ -1,7 +1,7 @@
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "underbrush/core/linear.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/ply.hpp"
 
@@ -15,9 +15,7 @@ void write_splat(const std::filesystem::path& path, const Model& model) {
       "opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2",  "rot_3"};
   std::vector<std::vector<float>> column(std::size(kNames));
   for (const Ellipsoid& e : model.ellipsoids) {
-    Eigen::SelfAdjointEigenSolver<Mat3> eigen;
-    eigen.computeDirect(e.covariance_matrix());
-    Mat3 axes = eigen.eigenvectors();
+    auto [variances, axes] = quick_spectrum(e.covariance_matrix());
     if (axes.determinant() < 0) axes.col(0) = -axes.col(0);
     const Eigen::Quaterniond q(axes);
     const float p = std::clamp(e.hit.p, 0.01f, 0.99f);
@@ -33,9 +31,9 @@ void write_splat(const std::filesystem::path& path, const Model& model) {
                             colour,
                             -colour,
                             std::log(p / (1 - p)),
-                            float(0.5 * std::log(eigen.eigenvalues()[0])),
-                            float(0.5 * std::log(eigen.eigenvalues()[1])),
-                            float(0.5 * std::log(eigen.eigenvalues()[2])),
+                            float(0.5 * std::log(variances[0])),
+                            float(0.5 * std::log(variances[1])),
+                            float(0.5 * std::log(variances[2])),
                             float(q.w()),
                             float(q.x()),
                             float(q.y()),

@@ -1,11 +1,11 @@
 #include "underbrush/ground/segment.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <string>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/kd_tree.inl"
+#include "underbrush/core/linear.hpp"
 #include "underbrush/core/parallel.hpp"
 
 namespace underbrush::ground {
@@ -79,9 +79,7 @@ float variance_of(std::span<const Vec3f> points, const Vec3f& at, const Neighbou
   covariance = (covariance - sum * sum.transpose() / n) / n;
   const double trace = covariance.trace();
   if (!(trace > 0)) return 0;
-  Eigen::SelfAdjointEigenSolver<Mat3> solver;
-  solver.computeDirect(covariance / trace, Eigen::EigenvaluesOnly);
-  return float(std::max(0.0, solver.eigenvalues()[0]));
+  return float(std::max(0.0, quick_eigenvalues(covariance / trace)[0]));
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
 #include "underbrush/likelihood/element_sums.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 
+#include "underbrush/core/linear.hpp"
 #include "underbrush/core/parallel.hpp"
 
 namespace underbrush::likelihood {
@@ -29,7 +29,7 @@ Mat3 symmetric(const Sums& sums, size_t first) {
 }
 
 EllipsoidForm form_of(const elements::Ellipsoid& e) {
-  const Mat3 root = Eigen::LLT<Mat3>(e.covariance_matrix()).matrixL(), w = root.inverse();
+  const Mat3 root = cholesky(e.covariance_matrix()), w = root.inverse();
   return {{e.mean[0], e.mean[1], e.mean[2]},
           {float(w(0, 0)), float(w(1, 0)), float(w(1, 1)), float(w(2, 0)), float(w(2, 1)),
            float(w(2, 2))},

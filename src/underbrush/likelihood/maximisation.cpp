@@ -1,10 +1,10 @@
 #include "underbrush/likelihood/maximisation.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "underbrush/core/linear.hpp"
 #include "underbrush/core/parallel.hpp"
 
 namespace underbrush::likelihood {
@@ -58,9 +58,9 @@ double moved_density(const elements::Ellipsoid& e, const EllipsoidSums& sums,
 void move_geometry(elements::Ellipsoid& e, const Mat3& covariance, const EllipsoidSums& sums,
                    const Mat3& prior, const Eigen::Matrix3f* open, const MaximisationOptions& o,
                    double stride) {
-  const Mat3 root = Eigen::LLT<Mat3>(covariance).matrixL(), whiten = root.inverse();
+  const Mat3 root = cholesky(covariance), whiten = root.inverse();
   const Mat3 identity = Mat3::Identity();
-  Vec3 shift = (sums.shift_curvature + 0.5 * identity).ldlt().solve(sums.shift_slope);
+  Vec3 shift = solve(sums.shift_curvature + 0.5 * identity, sums.shift_slope);
   if (shift.norm() > kLongestShift) shift *= kLongestShift / shift.norm();
   const double spread = spread_again(sums.hits, o.spent_points) - 1;
   // The prior Σ₀ adds −ν/2 (ln |Σ| + tr Σ₀ Σ⁻¹).

@@ -6,6 +6,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/kd_tree.inl"
+#include "underbrush/core/linear.hpp"
 #include "underbrush/core/parallel.hpp"
 
 namespace underbrush::metrics {
@@ -44,8 +45,7 @@ Vec3 least_spread(Mat3 sigma) {
   const double most = sigma.maxCoeff();
   if (!(most > 0)) return Vec3::UnitZ();
   sigma /= most;
-  const Vec3 values =
-      Eigen::SelfAdjointEigenSolver<Mat3>(sigma, Eigen::EigenvaluesOnly).eigenvalues();
+  const Vec3 values = eigenvalues(sigma);
   const Mat3 off = sigma - sigma.trace() / 3 * Mat3::Identity();
   if (off.determinant() < 0) {
     const Vec3 n = single_eigenvector(sigma, values[0]);

@@ -1,10 +1,10 @@
 #include "underbrush/plant_meshes/mesh_primitives.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/linear.hpp"
 #include "underbrush/core/rng.hpp"
 
 namespace underbrush::plant_meshes {
@@ -58,8 +58,7 @@ Upright upright(const PlantSource& plant) {
     const Eigen::Vector2d d = v.head<2>().cast<double>() - mean.head<2>();
     spread += d * d.transpose();
   }
-  const Eigen::Vector2d axis =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread).eigenvectors().col(1);
+  const Eigen::Vector2d axis = spectrum(spread).vectors.col(1);
   Upright out{&plant, {}, high - low};
   out.foot = Vec3(mean.x(), mean.y(), low);
   out.turn_rad = -std::atan2(axis.y(), axis.x());

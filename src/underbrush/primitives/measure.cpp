@@ -1,6 +1,5 @@
 #include "underbrush/primitives/measure.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +7,7 @@
 
 #include "underbrush/core/cells.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/linear.hpp"
 #include "underbrush/primitives/box_beams.hpp"
 
 namespace underbrush::primitives {
@@ -77,8 +77,7 @@ PlacedObject measure_one(const CellCloud& cloud, double quantile) {
     const Eigen::Vector2d d = (p - o.position).head<2>();
     square += d * d.transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(square);
-  const Eigen::Vector2d axis = solver.eigenvectors().col(1);  // Axis of the larger eigenvalue.
+  const Eigen::Vector2d axis = spectrum(square).vectors.col(1);  // Axis of the larger eigenvalue.
   o.yaw_rad = std::atan2(axis.y(), axis.x());
   if (o.yaw_rad > M_PI_2) o.yaw_rad -= M_PI;  // An axis has no sign.
   if (o.yaw_rad <= -M_PI_2) o.yaw_rad += M_PI;

@@ -1,10 +1,10 @@
 #include "underbrush/simulate/simulate.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <chrono>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/linear.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/simulate/draw.hpp"
@@ -24,7 +24,7 @@ Vec3 drawn_in_volume(const elements::Model& model, const elements::Instance& pla
   for (uint32_t k = 0; k < 3; ++k) {
     n[k] = normal(mix64(key + k), met.element, Purpose::kRange);
   }
-  const Mat3 root = Eigen::LLT<Mat3>(e.covariance_matrix()).matrixL();
+  const Mat3 root = cholesky(e.covariance_matrix());
   return placed.world_from_model * Vec3(double(placed.scale) * (e.mean.cast<double>() + root * n));
 }
 

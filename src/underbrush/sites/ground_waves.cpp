@@ -1,9 +1,9 @@
 #include "underbrush/sites/ground_waves.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
+#include "underbrush/core/linear.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/test_site/terrain.hpp"
 
@@ -42,7 +42,7 @@ HeightSamples sample(const primitives::GroundSurface& ground) {
       right += a * s.z.back();
     }
   }
-  const Vec3 plane = normal.ldlt().solve(right);
+  const Vec3 plane = solve(normal, right);
   s.slope = plane.head<2>();
   for (int y = 0; y < s.rows; ++y) {
     for (int x = 0; x < s.columns; ++x) {

@@ -1,10 +1,10 @@
 #include "underbrush/surface/sample_grid.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "underbrush/core/linear.hpp"
 #include "underbrush/core/parallel.hpp"
 
 namespace underbrush::surface {
@@ -121,7 +121,6 @@ void SampleGrid::near(const Vec3f& x, float radius_m, const Visit& visit) const 
 void SampleGrid::find_normals(std::span<const double> radii_m, int min_neighbours) {
   std::vector<Vec3f> normals(samples_.size(), Vec3f::Zero());
   parallel_for(samples_.size(), 512, [&](size_t begin, size_t end) {
-    Eigen::SelfAdjointEigenSolver<Mat3> solver;
     for (size_t i = begin; i < end; ++i) {
       for (double radius : radii_m) {
         Vec3 sum = Vec3::Zero();
@@ -134,9 +133,10 @@ void SampleGrid::find_normals(std::span<const double> radii_m, int min_neighbour
           ++n;
         });
         if (n < min_neighbours) continue;
-        solver.computeDirect(square / n - sum * sum.transpose() / (double(n) * n));
-        if (solver.eigenvalues()(1) < kLine * solver.eigenvalues()(2)) continue;
-        const Vec3f normal = solver.eigenvectors().col(0).cast<float>();
+        const auto [values, axes] =
+            quick_spectrum(square / n - sum * sum.transpose() / (double(n) * n));
+        if (values[1] < kLine * values[2]) continue;
+        const Vec3f normal = axes.col(0).cast<float>();
         normals[i] = normal.dot(samples_[i].normal) < 0 ? Vec3f(-normal) : normal;
         samples_[i].radius_m = float(radius);
         break;

@@ -16,6 +16,11 @@ struct StepCells {
   std::array<int32_t, kSteps> x, y, z;
 
   Cell3 of(int step) const { return {x[size_t(step)], y[size_t(step)], z[size_t(step)]}; }
+  void set(int step, const Cell3& to) {
+    x[size_t(step)] = to.x;
+    y[size_t(step)] = to.y;
+    z[size_t(step)] = to.z;
+  }
 };
 /// Finds the cells (side `cell_m`) of the middles of the steps of length `step_m` that begin at the
 /// range `from_m`.

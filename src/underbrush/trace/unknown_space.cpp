@@ -167,9 +167,12 @@ std::optional<double> UnknownSpace::drawn_end(const Ray& ray, uint64_t key,
   bool comes_low = false;
   const double density = std::max(most_high_, most_low_ * std::max(kLeastFall, -ray.direction.z()));
   const double most = kSlack * density * space_.cell_m;
-  // To draw for all steps of a batch takes less than to look their cells up.
-  const auto may_end = [&](const StepCells& cells, CrossedCells::Block&) {
-    return drawn_at_most(most, key, cells);
+  // To draw for all steps of a batch takes less than to look their cells up, if few draws are
+  // small.
+  constexpr double kFew = 0.2;
+  const auto may_end = [&](const StepCells& cells, CrossedCells::Block& block) {
+    if (most < kFew) return drawn_at_most(most, key, cells);
+    return crossed_.hold(cells, block) ? 0u : ~0u;
   };
   follow(ray, limits, may_end, [&](const Step& s) {
     comes_low = s.is_low();

@@ -92,8 +92,7 @@ class UnknownSpace {
     };
     follow(ray, limits, unknown, take);
   }
-  /// Does so without the steps that are not among the bits of `which(cells, block)`; the last step
-  /// counts always.
+  /// Does so without the steps that are not among the bits of `which(cells, block)`.
   template <class Which, class F>
   void follow(const Ray& ray, const RangeLimits& limits, Which which, F take) const;
   const GroundHeights& ground() const { return ground_; }
@@ -160,22 +159,23 @@ void UnknownSpace::follow(const Ray& ray, const RangeLimits& limits, Which which
   }
   CrossedCells::Block block;
   StepCells cells;
-  constexpr uint32_t kAll = (1u << StepCells::kSteps) - 1;
-  for (int first = 0;; first += StepCells::kSteps) {
-    if (!(from + first * cell < to)) return;
-    cells_of_steps(start, ray.direction, from + first * cell, cell, cell, cells);
-    const uint32_t steps = which(cells, block) & kAll;
-    const bool has_last = !(from + (first + StepCells::kSteps - 1) * cell + cell < to);
-    for (uint32_t left = has_last ? kAll : steps; left != 0; left &= left - 1) {
+  const auto begin_of = [&](int step) { return from + step * cell; };
+  for (int first = 0; begin_of(first) < to; first += StepCells::kSteps) {
+    cells_of_steps(start, ray.direction, begin_of(first), cell, cell, cells);
+    // The last step may be shorter.
+    int count = StepCells::kSteps;
+    if (!(begin_of(first + count - 1) + cell < to)) {
+      count = 1;
+      while (begin_of(first + count - 1) + cell < to) ++count;
+      const double middle = 0.5 * (begin_of(first + count - 1) + to);
+      cells.set(count - 1, cell_of(Vec3(start + middle * ray.direction), cell));
+    }
+    for (uint32_t left = which(cells, block) & ((1u << count) - 1); left != 0; left &= left - 1) {
       const int in_batch = std::countr_zero(left);
-      const double t = from + (first + in_batch) * cell;
-      if (!(t < to)) return;
-      const double end = std::min(t + cell, to), middle = 0.5 * (t + end);
-      if (end != to && !(steps >> in_batch & 1)) continue;
-      const Vec3 at = start + middle * ray.direction;
-      // The last step may be shorter.
-      const Cell3 c = end == to ? cell_of(at, cell) : cells.of(in_batch);
+      const Cell3 c = cells.of(in_batch);
       if (crossed_.holds(c, block)) continue;
+      const double t = begin_of(first + in_batch), end = std::min(t + cell, to);
+      const Vec3 at = start + 0.5 * (t + end) * ray.direction;
       const double height = at.z() - ground_.at(at.x(), at.y());
       const Step step{t, end, height, CellHash()(c), at, std::max(kLeastFall, -rise)};
       if (step.is_low() && ground_.is_known(at.x(), at.y())) continue;

@@ -1,0 +1,35 @@
+/// \file
+/// Linear algebra of small matrices, compiled once: where Eigen's templates for it are used, they
+/// take seconds of a compiler's time.
+#pragma once
+#include "underbrush/core/pose.hpp"
+
+namespace underbrush {
+
+/// The eigenvalues of a symmetric matrix in ascending order, and its eigenvectors as columns.
+template <int N>
+struct Spectrum {
+  Eigen::Matrix<double, N, 1> values;
+  Eigen::Matrix<double, N, N> vectors;
+};
+
+/// Iterates to full precision.
+Spectrum<2> spectrum(const Eigen::Matrix2d& symmetric);
+Spectrum<3> spectrum(const Mat3& symmetric);
+Vec3 eigenvalues(const Mat3& symmetric);
+/// Solves the characteristic equation: several times faster, and less precise where eigenvalues are
+/// nearly equal.
+Spectrum<3> quick_spectrum(const Mat3& symmetric);
+Vec3 quick_eigenvalues(const Mat3& symmetric);
+
+/// The lower factor L of Cholesky's decomposition Σ = L Lᵀ of a positive definite matrix.
+Mat3 cholesky(const Mat3& sigma);
+bool is_positive_definite(const Mat3& symmetric);
+
+/// The solution x of Σ x = b for a positive definite matrix, by Cholesky's decomposition with
+/// pivots.
+Vec3 solve(const Mat3& sigma, const Vec3& b);
+Eigen::Vector4d solve(const Eigen::Matrix4d& sigma, const Eigen::Vector4d& b);
+Eigen::MatrixXd inverse(const Eigen::MatrixXd& sigma);
+
+}  // namespace underbrush
