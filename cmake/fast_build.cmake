@@ -4,7 +4,7 @@
 # precompiled header, so that -fno-trapping-math, for one, would be lost there. Turn UNDERBRUSH_UNITY off while working on one file again and again.
 option(UNDERBRUSH_PCH "Compile what most sources include once, ahead of them" ON)
 option(UNDERBRUSH_UNITY "Compile several sources of a target at once" ON)
-set(UNDERBRUSH_UNITY_BATCH 22 CACHE STRING "Sources to a compiler run")
+set(UNDERBRUSH_UNITY_BATCH 17 CACHE STRING "Sources to a compiler run")
 
 # ccache keeps nothing of a source with a precompiled header unless it is told that this is well.
 if(UNDERBRUSH_PCH AND "$CACHE{CMAKE_CXX_COMPILER_LAUNCHER}" MATCHES "ccache$")

@@ -18,8 +18,8 @@ uint8_t bin_of(const std::vector<double>& edges, double x) {
   return above == edges.begin() ? kNoBin : uint8_t(above - edges.begin() - 1);
 }
 
-/// Sums over predictions y of intensities x.
-struct Sums {
+/// IntensitySums over predictions y of intensities x.
+struct IntensitySums {
   double n = 0, x = 0, y = 0, xx = 0, yy = 0, xy = 0, squared = 0, absolute = 0;
 
   void add(double real, double predicted) {
@@ -51,8 +51,8 @@ struct Sums {
 
 /// The sums of the pairs for which `is_in` holds, with the prediction of `predict`.
 template <class Pairs, class IsIn, class Predict>
-Sums sums_of(const Pairs& pairs, IsIn is_in, Predict predict) {
-  Sums sums;
+IntensitySums sums_of(const Pairs& pairs, IsIn is_in, Predict predict) {
+  IntensitySums sums;
   for (const auto& p : pairs) {
     if (is_in(p)) sums.add(p.real, predict(p));
   }
@@ -64,7 +64,7 @@ std::map<std::string, IntensityErrors> by_bin(const Pairs& pairs, const std::vec
                                               BinOf bin_of_pair) {
   std::map<std::string, IntensityErrors> out;
   for (size_t k = 0; k < edges.size(); ++k) {
-    const Sums sums = sums_of(
+    const IntensitySums sums = sums_of(
         pairs, [&](const auto& p) { return bin_of_pair(p) == k; },
         [](const auto& p) { return p.simulated; });
     if (sums.n > 0) out[bin_name(edges, k)] = sums.errors();
@@ -124,7 +124,7 @@ std::optional<IntensityScore> IntensityScorer::finish(std::string& why) const {
                                  : "";
   if (!why.empty()) return std::nullopt;
   IntensityScore s;
-  const Sums sums = sums_of(pairs_, all, [](const Pair& p) { return p.simulated; });
+  const IntensitySums sums = sums_of(pairs_, all, [](const Pair& p) { return p.simulated; });
   s.simulated = sums.errors();
   s.real_mean = sums.x / sums.n;
   s.real_sd = sums.x_sd();
@@ -133,10 +133,10 @@ std::optional<IntensityScore> IntensityScorer::finish(std::string& why) const {
   s.constant = sums_of(pairs_, all, [&](const Pair&) { return s.real_mean; }).errors();
   s.groups = has_classes_ ? "class" : model_ ? "kind" : "";
   if (!s.groups.empty()) {
-    std::map<uint32_t, Sums> group;
+    std::map<uint32_t, IntensitySums> group;
     for (const Pair& p : pairs_) group[p.group].add(p.real, 0);
     s.group_constant = sums_of(pairs_, all, [&](const Pair& p) {
-                         const Sums& of = group.at(p.group);
+                         const IntensitySums& of = group.at(p.group);
                          return of.x / of.n;
                        }).errors();
   }
