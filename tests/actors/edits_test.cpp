@@ -191,6 +191,10 @@ TEST_F(EditFile, ThatCannotBeAppliedIsNamedWithItsPlace) {
   EXPECT_NE(
       said_of(Json::array({Json{{"edit", "paint"}, {"actor", "van-1"}}})).find("edits[0].edit"),
       std::string::npos);
+  const Json half{{"edit", "shift"}, {"actor", "van-1"}, {"translation_m", {1, 0, 0}}, {"at_s", 1}};
+  const std::string said = said_of(Json::array({half}));
+  EXPECT_NE(said.find("edits[0]: at_s and within_s need each other"), std::string::npos) << said;
+  EXPECT_EQ(said.find("edits[0]"), said.rfind("edits[0]")) << said;
   elements::Scene still;
   elements::SceneInfo info;
   still.models.push_back(sheet());

@@ -267,5 +267,21 @@ TEST(Export, KittiFolderComesBack) {
   EXPECT_EQ(folder.entries(), 1u);
 }
 
+TEST(Input, ModelsAndScenesAreNoLogs) {
+  const TemporaryFolder folder;
+  for (const std::string kind : {"model", "scene"}) {
+    put_bytes(folder / kind / (kind + ".json"), "{}");
+    put_bytes(folder / kind / "ground.ply", "ply");
+    try {
+      open_input(folder / kind);
+      FAIL() << kind;
+    } catch (const FormatError& error) {
+      EXPECT_NE(std::string(error.what()).find("is a " + kind + ", expected a log"),
+                std::string::npos)
+          << error.what();
+    }
+  }
+}
+
 }  // namespace
 }  // namespace underbrush::io

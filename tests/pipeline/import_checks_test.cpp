@@ -8,6 +8,8 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/pipeline/copies.hpp"
+#include "underbrush/pipeline/pose_checks.hpp"
+#include "underbrush/pipeline/sensor_checks.hpp"
 
 namespace underbrush::pipeline {
 namespace {

@@ -4,10 +4,8 @@ from __future__ import annotations
 import collections
 import contextlib
 import dataclasses
-import datetime
 import itertools
 import pathlib
-import tempfile
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -16,17 +14,16 @@ import numpy.typing as npt
 
 from ..errors import FormatError
 from ._files import OptionMissing, PathLike, guarded, size_of, with_thousands
+from .bag_messages import BagMessages
 from .bag_packets import STRING, BagPackets, is_packets, packets_in
 from .layouts import guess_sensor, scan_from_points
 from .point_times import PointTimes
-from .ros_files import is_cut_mcap, kind_of_bag, opened, recover_mcap
 from .ros_messages import CLOUD, CUSTOM, cloud_points, frame_name, livox_points, seconds, typestore
 from .scans import NO_POSES, Poses, Scan, middles
 from .trajectory import pose_at, read_poses
 from .transforms import FIXED, POSE_TYPES, FrameTree, LidarPoses
 
 _JUMP_S = 10.0
-_MOST_BREAKS = 1000
 _ELSEWHERE_M, _CONE_RAD = 3.0, 0.01  # From the origin; standard deviation of the elevations of a ring.
 _PEEKED = 10  # Messages of each topic that are looked at first.
 _LONGEST_IMU = 256  # Bytes; a lidar's packet is longer.
@@ -69,21 +66,13 @@ class BagRecording:
         self._poses_from, self._found = poses, list[LidarPoses]()
         self.skipped: collections.Counter[str] = collections.Counter()
         self.sensor, self.bytes_total, self.bytes_done, self._organised = "", size_of(path), 0, False
-        self._kind = kind_of_bag(self.path)
-        self._ros1, self._own_clock, self._untimed = self._kind == "ros1", False, False
+        self._messages, self._own_clock, self._untimed = BagMessages(self.path), False, False
+        self._ros1 = self._messages.is_ros1
         self._store = typestore(self._ros1)
-        self._source, self._recovered = self.path, 0
-        if self._kind == "mcap" and is_cut_mcap(self.path):
-            self._scratch = tempfile.TemporaryDirectory(prefix="underbrush-")
-            self._source = pathlib.Path(self._scratch.name) / "recovered.mcap"
-            self._recovered = recover_mcap(self.path, self._source)
-        with opened(self._source, self._kind) as reader, guarded(path, "index"):
-            self._connections = sorted(
-                ((str(c.topic), str(c.msgtype), int(c.msgcount)) for c in reader.connections), key=lambda c: c[0])
-            self._duration_s = max(0.0, float(reader.duration) * 1e-9)
-            self._start = _date(int(reader.start_time))
-            self._first = {t: self._peek(reader, t) for t, kind, n in self._connections if n and _is_cloud(kind)}
-            packets = {t: self._peek_packets(reader, t) for t, kind, n in self._connections if n and is_packets(kind)}
+        topics = [(t, kind) for t, kind, n in self._messages.topics if n]
+        with self._messages.opened() as reader, guarded(path, "index"):
+            self._first = {t: self._peek(reader, t) for t, kind in topics if _is_cloud(kind)}
+            packets = {t: self._peek_packets(reader, t) for t, kind in topics if is_packets(kind)}
         self._packets: BagPackets | None = None
         packets = {t: first for t, first in packets.items() if first.points}
         if topic in packets or not self._first:
@@ -92,25 +81,25 @@ class BagRecording:
         self.skipped.clear()  # What was counted while peeking is counted again.
         if not clouds:
             raise FormatError(path, "", "no topic with point clouds (sensor_msgs/PointCloud2, Livox CustomMsg)"
-                              + self._no_packets())
+                              + self._messages.no_packets())
         if topic is not None and topic not in clouds:
             raise ValueError(f"{path}: no point clouds in {topic}: {', '.join([*clouds, *packets])}")
         self.topic = topic if topic is not None else clouds[0] if len(clouds) == 1 else None
         if self.topic is not None:
             self.sensor, self._organised = self._first[self.topic].sensor, self._first[self.topic].organised
             if self.topic in packets:
-                texts = [t for t, kind, n in self._connections if n and kind == STRING]
+                texts = [t for t, kind in topics if kind == STRING]
                 self._packets = BagPackets(path, self.topic, self._all_messages, self._ros1, texts, metadata, sensor,
                                            clock == "bag")
                 self.sensor, self._organised = self._packets.sensor, self._packets.organised
-            kind = next(kind for t, kind, _ in self._connections if t == self.topic)
-            self._times = _times_of(path, kind, self._first[self.topic].period_s)
+            self._times = _times_of(path, self._messages.kind_of(self.topic), self._first[self.topic].period_s)
 
     def found(self) -> list[str]:
         names = {"ros1": "ROS 1 bag", "mcap": "ROS 2 MCAP file", "sqlite3": "ROS 2 SQLite file", "folder": "ROS 2 bag"}
-        lines = [f"{names[self._kind]}, {self._duration_s:.1f} s{self._start}, {self.bytes_total / 1e6:.1f} MB"]
-        for topic, kind, count in self._connections:
-            rate = f"{(count - 1) / self._duration_s:.1f} Hz" if count > 1 and self._duration_s > 0 else "once"
+        file = self._messages
+        lines = [f"{names[file.kind]}, {file.duration_s:.1f} s{file.start}, {self.bytes_total / 1e6:.1f} MB"]
+        for topic, kind, count in file.topics:
+            rate = f"{(count - 1) / file.duration_s:.1f} Hz" if count > 1 and file.duration_s > 0 else "once"
             if topic in self._first and self._first[topic].period_s > 0:
                 rate = f"{1 / self._first[topic].period_s:.1f} Hz"
             text = f"{topic}: {kind}, {with_thousands(count)} messages, {rate}"
@@ -148,14 +137,14 @@ class BagRecording:
             notes.append(_UNTIMED.format(" ".join(self._first[str(self.topic)].fields), *(
                 ("begins where the sensor was", "") if self.world else
                 ("is placed by the pose", ", without compensation of the motion within a scan"))))
-        if self._recovered:
-            notes.append(f"the recording was not closed: its {self._recovered} whole messages are read")
+        if self._messages.recovered:
+            notes.append(f"the recording was not closed: its {self._messages.recovered} whole messages are read")
         return notes
 
     @property
     def topics(self) -> list[dict[str, Any]]:
         """Name, type and number of messages of each topic."""
-        return [{"topic": topic, "type": kind, "messages": n} for topic, kind, n in self._connections]
+        return [{"topic": topic, "type": kind, "messages": n} for topic, kind, n in self._messages.topics]
 
     @property
     def has_packets(self) -> bool:
@@ -238,33 +227,27 @@ class BagRecording:
         """Points, stamp (s) and what to add to the times (s) of the sensor's clouds whose clock does not jump."""
         if self.topic is None:
             raise OptionMissing(self._ask_topic())
-        frames, seen, last = set(self._first[self.topic].frames), 0, None
-        total = sum(n for topic, _, n in self._connections if topic == self.topic)
-        with opened(self._source, self._kind) as reader:
-            for kind, bag_ns, raw in self._messages(reader, self.topic):
-                seen += 1
-                self.bytes_done = min(self.bytes_total, self.bytes_total * seen // max(1, total))
-                try:
-                    with guarded(self.path, "message"):
-                        points, stamp, frame = self._points(kind, raw)
-                except FormatError:
-                    self.skipped[_UNREADABLE] += 1
-                    continue
-                frames.add(frame)
-                if self.frame is None and len(frames) > 1:
-                    raise OptionMissing(self._ask_frame(sorted(frames)))
-                if self.frame is not None and frame != frame_name(self.frame):
-                    continue
-                bag_s = bag_ns * 1e-9
-                shift = bag_s - stamp if self.clock == "bag" else 0.0
-                step = np.inf if last is None else stamp + shift - last[0]
-                if last is not None and (step <= 0 or abs(step - (bag_s - last[1])) > _JUMP_S):
-                    self.skipped[_CLOCK] += 1
-                    continue
-                last = (stamp + shift, bag_s)
-                yield points, stamp, shift
-        if seen < total:
-            self.skipped["messages in parts of the file that cannot be read"] += total - seen
+        frames, last = set(self._first[self.topic].frames), None
+        for kind, bag_ns, raw in self._all_messages(self.topic, self.skipped):
+            try:
+                with guarded(self.path, "message"):
+                    points, stamp, frame = self._points(kind, raw)
+            except FormatError:
+                self.skipped[_UNREADABLE] += 1
+                continue
+            frames.add(frame)
+            if self.frame is None and len(frames) > 1:
+                raise OptionMissing(self._ask_frame(sorted(frames)))
+            if self.frame is not None and frame != frame_name(self.frame):
+                continue
+            bag_s = bag_ns * 1e-9
+            shift = bag_s - stamp if self.clock == "bag" else 0.0
+            step = np.inf if last is None else stamp + shift - last[0]
+            if last is not None and (step <= 0 or abs(step - (bag_s - last[1])) > _JUMP_S):
+                self.skipped[_CLOCK] += 1
+                continue
+            last = (stamp + shift, bag_s)
+            yield points, stamp, shift
 
     def _ask_topic(self) -> str:
         return f"{self.path}: several topics with point clouds: add " + " or ".join(
@@ -280,42 +263,17 @@ class BagRecording:
         return f"{self.path}: {ask if '--poses' in ask else NO_POSES.replace('no poses in it', ask or 'no poses in it')}"
 
     def _all_messages(self, topic: str, skipped: collections.Counter[str]) -> Iterator[tuple[str, int, bytes]]:
-        """The topic's messages, of which it counts elsewhere what is left out, and how far the file is read."""
-        total, seen = sum(n for name, _, n in self._connections if name == topic), 0
-        with opened(self._source, self._kind) as reader:
-            for message in self._messages(reader, topic, skipped):
-                seen += 1
-                self.bytes_done = min(self.bytes_total, self.bytes_total * seen // max(1, total))
-                yield message
-        if seen < total:
-            skipped["messages in parts of the file that cannot be read"] += total - seen
+        """The topic's messages; `bytes_done` says how far the file is read."""
+        def report(share: float) -> None:
+            self.bytes_done = int(self.bytes_total * share)
 
-    def _messages(self, reader: Any, topic: str, skipped: collections.Counter[str] | None = None
-                  ) -> Iterator[tuple[str, int, bytes]]:
-        """Type, time (ns) and bytes of a topic's messages. A part of the file that cannot be read is left out."""
-        skipped = self.skipped if skipped is None else skipped
-        for connection in [c for c in reader.connections if c.topic == topic]:
-            start, step = None, 1_000_000
-            end = int(reader.end_time)
-            for _ in range(_MOST_BREAKS):
-                try:
-                    with guarded(self.path, "messages"):
-                        for found, time_ns, raw in reader.messages([connection], start=start):
-                            yield str(found.msgtype), int(time_ns), raw
-                            start, step = int(time_ns), 1_000_000
-                    break
-                except FormatError:
-                    skipped["breaks in the file"] += 1
-                    start = (int(reader.start_time) if start is None else start) + step
-                    step *= 2
-                    if start >= end:
-                        break
+        return self._messages.all_of(topic, skipped, report)
 
     def _peek(self, reader: Any, topic: str) -> _Topic:
         """What the first messages of a topic tell."""
         first, stamps = _Topic(), list[tuple[float, float]]()
-        self._times = _times_of(self.path, next(kind for t, kind, _ in self._connections if t == topic), 0.0)
-        for kind, bag_ns, raw in itertools.islice(self._messages(reader, topic), _PEEKED):
+        self._times = _times_of(self.path, self._messages.kind_of(topic), 0.0)
+        for kind, bag_ns, raw in itertools.islice(self._messages.of(reader, topic, self.skipped), _PEEKED):
             with contextlib.suppress(FormatError), guarded(self.path, topic):
                 points, stamp, frame = self._points(kind, raw)
                 if not first.frames:
@@ -331,7 +289,7 @@ class BagRecording:
 
     def _peek_packets(self, reader: Any, topic: str) -> _Topic:
         """The frame of a topic's packets, and whether one is long enough for a lidar's: those of an IMU have 48."""
-        for kind, time_ns, raw in itertools.islice(self._messages(reader, topic), _PEEKED):
+        for kind, time_ns, raw in itertools.islice(self._messages.of(reader, topic, self.skipped), _PEEKED):
             with contextlib.suppress(ValueError):
                 packets, frame = packets_in(kind, raw, time_ns * 1e-9, self._ros1, False)
                 longest = max((len(packet.data) for packet in packets), default=0)
@@ -339,16 +297,6 @@ class BagRecording:
                     return _Topic("packets", organised=True, points=longest,
                                   frames=(frame_name(self.frame or frame),))
         return _Topic()
-
-    def _no_packets(self) -> str:
-        """What a recording without a readable topic has of packets."""
-        decoded = [f"{topic} ({kind})" for topic, kind, n in self._connections if n and is_packets(kind)]
-        if decoded:
-            return f", and no packet of a lidar in {', '.join(decoded)}"
-        others = [f"{topic} ({kind})" for topic, kind, n in self._connections
-                  if n and ("packet" in kind.lower() or kind.endswith(("/PandarScan", "/UdpFrame")))]
-        return (f", but packets of a kind that is not decoded, in {', '.join(others)}: have the driver write its point "
-                "clouds" if others else "")
 
     def _are_of_sensor(self, poses: Poses) -> bool:
         """Whether the rings of a cloud are cones about the origin although the sensor is elsewhere."""
@@ -385,7 +333,7 @@ class BagRecording:
         return scan, layout
 
     def _read_poses(self) -> LidarPoses:
-        topics = {topic: POSE_TYPES[kind] for topic, kind, n in self._connections if kind in POSE_TYPES and n}
+        topics = {topic: POSE_TYPES[kind] for topic, kind, n in self._messages.topics if kind in POSE_TYPES and n}
         asked = None if self._poses_from is None else str(self._poses_from)
         lidar = "" if self.topic is None else frame_name(self.frame) if self.frame is not None else next(
             iter(self._first[self.topic].frames), "")
@@ -400,9 +348,9 @@ class BagRecording:
             return LidarPoses(None)
         tree = FrameTree()
         read = self._store.deserialize_ros1 if self._ros1 else self._store.deserialize_cdr
-        with opened(self._source, self._kind) as reader:
+        with self._messages.opened() as reader:
             for topic, kind in topics.items():
-                for msgtype, _, raw in self._messages(reader, topic):
+                for msgtype, _, raw in self._messages.of(reader, topic, self.skipped):
                     try:
                         with guarded(self.path, topic):
                             tree.add(kind, topic, read(raw, msgtype))
@@ -416,14 +364,6 @@ class BagRecording:
         if tree.bad:
             self.skipped["poses that are no rotations or not finite"] += tree.bad
         return found
-
-
-def _date(time_ns: int) -> str:
-    """" from DATE" of a recording's beginning; empty where the clock counts from something else."""
-    if not 10**18 < time_ns < 4 * 10**18:
-        return ""
-    date = datetime.datetime.fromtimestamp(time_ns // 10**9, datetime.timezone.utc)
-    return date.strftime(" from %Y-%m-%d %H:%M:%S UTC")
 
 
 def _times_of(path: pathlib.Path, kind: str, period_s: float) -> PointTimes:

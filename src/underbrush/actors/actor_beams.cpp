@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/median.hpp"
 
 namespace underbrush::actors {
 namespace {
@@ -35,9 +36,7 @@ void add(const BeamLog& log, size_t i, bool is_return, View& view) {
 double half_gap_s(const std::vector<StampedPose>& poses) {
   std::vector<double> gaps;
   for (size_t k = 1; k < poses.size(); ++k) gaps.push_back(poses[k].time_s - poses[k - 1].time_s);
-  const auto middle = gaps.begin() + std::ptrdiff_t(gaps.size() / 2);
-  std::nth_element(gaps.begin(), middle, gaps.end());
-  return *middle / 2;
+  return median(std::move(gaps)) / 2;
 }
 
 }  // namespace

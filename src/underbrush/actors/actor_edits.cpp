@@ -111,13 +111,14 @@ void apply(const io::JsonValue& edit, std::vector<Actor>& actors) {
     kind->apply(edit, actors, actor.text());
   } catch (const std::invalid_argument& e) {
     actor.fail(e.what());
-  } catch (const FormatError& e) {  // Of a file that the edit names.
-    edit.fail(e.what());
+  } catch (const FormatError& e) {
+    if (e.file() == edit.file().string()) throw;
+    edit.fail(e.what());  // Of a file that the edit names.
   }
 }
 
 io::JsonValue list_in(const io::JsonFile& json) {
-  const io::JsonValue j = json.manifest("underbrush-actor-edits", 1, "a list of edits of actors");
+  io::JsonValue j = json.manifest("underbrush-actor-edits", 1, "a list of edits of actors");
   j.check_members({"$schema", "format", "version", "comment", "actors", "edits"});
   return j;
 }

@@ -6,6 +6,7 @@
 
 #include "underbrush/core/kd_tree.inl"
 #include "underbrush/core/linear.hpp"
+#include "underbrush/core/median.hpp"
 #include "underbrush/core/parallel.hpp"
 
 namespace underbrush::actors {
@@ -122,10 +123,7 @@ double median_distance(const std::vector<Placed>& views, double reach_m) {
       if (plane) all.push_back(std::abs(plane->normal.dot(q - plane->point)));
     }
   }
-  if (all.empty()) return 0;
-  const auto middle = all.begin() + std::ptrdiff_t(all.size() / 2);
-  std::nth_element(all.begin(), middle, all.end());
-  return *middle;
+  return median(std::move(all));
 }
 
 }  // namespace

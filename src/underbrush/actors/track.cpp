@@ -4,6 +4,8 @@
 #include <iterator>
 #include <map>
 
+#include "underbrush/core/median.hpp"
+
 namespace underbrush::actors {
 namespace {
 
@@ -16,9 +18,7 @@ Vec3 median_size(const std::vector<SeenBox>& boxes) {
     std::vector<double> sizes;
     sizes.reserve(boxes.size());
     for (const SeenBox& s : boxes) sizes.push_back(s.object.box.size_m[axis]);
-    const auto middle = sizes.begin() + std::ptrdiff_t(sizes.size() / 2);
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    out[axis] = *middle;
+    out[axis] = median(std::move(sizes));
   }
   return out;
 }
@@ -51,10 +51,7 @@ double usual_gap_s(const std::vector<SeenBox>& seen) {
   constexpr double kOfOneBox = 0.1;
   std::vector<double> gaps;
   for (size_t k = 1; k < seen.size(); ++k) gaps.push_back(seen[k].time_s - seen[k - 1].time_s);
-  if (gaps.empty()) return kOfOneBox;
-  const auto middle = gaps.begin() + std::ptrdiff_t(gaps.size() / 2);
-  std::nth_element(gaps.begin(), middle, gaps.end());
-  return *middle;
+  return median(std::move(gaps), kOfOneBox);
 }
 
 uint32_t scan_at(double time_s, const LogInfo& log) {

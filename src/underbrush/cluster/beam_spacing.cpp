@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/median.hpp"
 #include "underbrush/core/parallel.hpp"
 
 namespace underbrush::cluster {
@@ -32,13 +33,6 @@ struct RingBeam {
 using Ring = std::vector<RingBeam>;
 
 double angle(const Vec3f& a, const Vec3f& b) { return double((a - b).norm()); }
-
-double median(std::vector<double>& angles) {
-  if (angles.empty()) return 0;
-  const auto middle = angles.begin() + std::ptrdiff_t(angles.size() / 2);
-  std::nth_element(angles.begin(), middle, angles.end());
-  return *middle;
-}
 
 /// The beam of a ring that is nearest to a beam of another ring.
 const RingBeam& nearest_in(const Ring& ring, const RingBeam& beam) {
@@ -187,7 +181,7 @@ BeamSpacing beam_spacing(BeamSource& log) {
     in_ring.insert(in_ring.end(), a->in_ring.begin(), a->in_ring.end());
     from_ring.insert(from_ring.end(), a->from_ring.begin(), a->from_ring.end());
   }
-  return {median(in_ring), median(from_ring)};
+  return {median(std::move(in_ring)), median(std::move(from_ring))};
 }
 
 std::vector<Eigen::Matrix3f> open_covariances(std::span<const Vec3f> points,

@@ -6,6 +6,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/csv_beams.hpp"
+#include "underbrush/io/log_path.hpp"
 #include "underbrush/io/log_rows.hpp"
 #include "underbrush/io/ply_header.hpp"
 #include "underbrush/io/poses.hpp"
@@ -219,6 +220,7 @@ class Opener {
   }
 
   void open_folder() {
+    refuse_world(path_);
     default_times();
     const fs::path file = path_ / "poses.txt";
     if (!has_poses() && fs::exists(file)) set_poses(read_poses(file), file);

@@ -20,6 +20,7 @@ class JsonValue {
  public:
   /// Throws `FormatError` with this value's place.
   [[noreturn]] void fail(std::string_view reason) const;
+  const std::filesystem::path& file() const { return *file_; }
 
   /// Returns a member of an object; it must exist.
   JsonValue at(const char* member) const;

@@ -6,20 +6,26 @@
 
 namespace underbrush::io {
 
+void refuse_world(const std::filesystem::path& folder) {
+  std::error_code error;
+  const auto refuse = [&](const char* manifest, const char* reason) {
+    if (std::filesystem::exists(folder / manifest, error)) {
+      throw FormatError(folder.string(), "", reason);
+    }
+  };
+  refuse("model.json",
+         "is a model, expected a log: 'underbrush simulate MODEL --like LOG' makes a log with it");
+  refuse("scene.json",
+         "is a scene, expected a log: 'underbrush simulate SCENE --like LOG' makes a log with it");
+}
+
 const std::filesystem::path& checked_log_path(const std::filesystem::path& path) {
   const auto fail = [&](const std::string& reason) {
     throw FormatError(path.string(), "", reason);
   };
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) {
-    if (std::filesystem::exists(path / "model.json", error)) {
-      fail(
-          "is a model, expected a log: 'underbrush simulate MODEL --like LOG' makes a log with it");
-    }
-    if (std::filesystem::exists(path / "scene.json", error)) {
-      fail(
-          "is a scene, expected a log: 'underbrush simulate SCENE --like LOG' makes a log with it");
-    }
+    refuse_world(path);
     fail("is a folder, expected a log: 'underbrush import FOLDER -o log.ply' makes one of scans");
   }
   const std::string extension = lower(path.extension().string());

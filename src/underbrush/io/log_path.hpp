@@ -8,4 +8,7 @@ namespace underbrush::io {
 /// `FormatError`, which names the kind and the verb that takes it.
 const std::filesystem::path& checked_log_path(const std::filesystem::path& path);
 
+/// Throws `FormatError` where a folder is a model or a scene.
+void refuse_world(const std::filesystem::path& folder);
+
 }  // namespace underbrush::io

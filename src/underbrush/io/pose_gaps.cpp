@@ -2,15 +2,10 @@
 
 #include <algorithm>
 
+#include "underbrush/core/median.hpp"
+
 namespace underbrush::io {
 namespace {
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// The pose at `time_s`, by the motion between two poses before or after it.
 StampedPose extrapolated(const StampedPose& a, const StampedPose& b, double time_s) {

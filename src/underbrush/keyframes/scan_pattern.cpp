@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "underbrush/core/median.hpp"
 #include "underbrush/core/rng.hpp"
 
 namespace underbrush::keyframes {
@@ -13,12 +14,6 @@ using elements::Keyframes;
 constexpr size_t kPatternBeams = 500'000;
 
 double elevation_of(const Vec3& d) { return std::asin(std::clamp(d.z(), -1.0, 1.0)); }
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Beams of the usual scan.
 double beams_of_scan(const ScanPattern& p) {
@@ -62,7 +57,7 @@ double row_height(const std::vector<double>& elevation) {
   constexpr double kLeast = 0.1 * M_PI / 180;
   std::vector<double> steps;
   for (size_t r = 1; r < elevation.size(); ++r) steps.push_back(elevation[r] - elevation[r - 1]);
-  return std::max(steps.empty() ? 0 : median(std::move(steps)), kLeast);
+  return std::max(median(std::move(steps)), kLeast);
 }
 
 bool has_channels_of(const Keyframes& image, const Keyframes& other) {

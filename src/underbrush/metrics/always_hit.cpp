@@ -1,19 +1,12 @@
 #include "underbrush/metrics/always_hit.hpp"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
+#include "underbrush/core/median.hpp"
+
 namespace underbrush::metrics {
-namespace {
-
-float median(std::vector<float>& ranges) {
-  const auto middle = ranges.begin() + std::ptrdiff_t(ranges.size() / 2);
-  std::nth_element(ranges.begin(), middle, ranges.end());
-  return *middle;
-}
-
-}  // namespace
-
 RingMedians::RingMedians(BeamSource& log) {
   std::unordered_map<uint16_t, std::vector<float>> ranges;
   BeamLog chunk;
@@ -27,10 +20,10 @@ RingMedians::RingMedians(BeamSource& log) {
   }
   std::vector<float> all;
   for (auto& [ring, of_ring] : ranges) {
-    of_ring_[ring] = median(of_ring);
     all.insert(all.end(), of_ring.begin(), of_ring.end());
+    of_ring_[ring] = median(std::move(of_ring));
   }
-  if (!all.empty()) of_all_ = median(all);
+  if (!all.empty()) of_all_ = median(std::move(all));
 }
 
 float RingMedians::of(uint16_t ring) const {

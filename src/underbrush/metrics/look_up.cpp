@@ -7,6 +7,7 @@
 #include <span>
 
 #include "underbrush/core/kd_tree.inl"
+#include "underbrush/core/median.hpp"
 #include "underbrush/core/parallel.hpp"
 
 namespace underbrush::metrics {
@@ -57,13 +58,6 @@ std::vector<const Scan*> nearest_scans(const std::map<uint32_t, Scan>& train, co
   return out;
 }
 
-double median_or(std::vector<double>& values, double otherwise) {
-  if (values.empty()) return otherwise;
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// The median angle between neighbouring rings, rad; infinite where there is one ring.
 double ring_spacing(const BeamLog& log, const std::map<uint32_t, Scan>& scans) {
   std::map<uint16_t, std::pair<double, size_t>> elevation;
@@ -79,7 +73,7 @@ double ring_spacing(const BeamLog& log, const std::map<uint32_t, Scan>& scans) {
   for (const auto& [ring, e] : elevation) mean.push_back(e.first / double(e.second));
   std::sort(mean.begin(), mean.end());
   for (size_t k = 1; k < mean.size(); ++k) step.push_back(mean[k] - mean[k - 1]);
-  return median_or(step, INFINITY);
+  return median<double>(std::move(step), INFINITY);
 }
 
 /// The median angle between successive beams of a ring, rad; infinite where no ring has two.
@@ -93,7 +87,7 @@ double beam_spacing(const BeamLog& log, const std::map<uint32_t, Scan>& scans) {
       before->second = i;
     }
   }
-  return median_or(step, INFINITY);
+  return median<double>(std::move(step), INFINITY);
 }
 
 constexpr float kAll = 4;  // Every direction is nearer than that to every other.

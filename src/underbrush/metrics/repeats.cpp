@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "underbrush/core/median.hpp"
 #include "underbrush/metrics/scan_pairs.hpp"
 
 namespace underbrush::metrics {
@@ -70,10 +71,7 @@ double RepeatedScans::median_difference(const std::vector<Ranges>& scans, size_t
       difference.push_back(std::abs(range - other->second));
     }
   }
-  if (difference.empty()) return NAN;
-  const auto middle = difference.begin() + std::ptrdiff_t(difference.size() / 2);
-  std::nth_element(difference.begin(), middle, difference.end());
-  return double(*middle);
+  return double(median(std::move(difference), std::nanf("")));
 }
 
 Repeats RepeatedScans::finish() const {

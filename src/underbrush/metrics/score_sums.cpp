@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "underbrush/core/median.hpp"
+
 namespace underbrush::metrics {
 
 Summary Sums::finish() {
@@ -9,11 +11,7 @@ Summary Sums::finish() {
   score_counts(s);
   packets.close();
   if (packets.packets) s.packet_error_m = packets.total / double(packets.packets);
-  if (!range_errors.empty()) {
-    const auto middle = range_errors.begin() + std::ptrdiff_t(range_errors.size() / 2);
-    std::nth_element(range_errors.begin(), middle, range_errors.end());
-    s.median_range_error_m = *middle;
-  }
+  if (!range_errors.empty()) s.median_range_error_m = median(std::move(range_errors));
   if (s.beams) s.capped_error_m = capped / double(s.beams);
   if (points[0] && points[1]) {
     const double a = double(points[0]), b = double(points[1]);

@@ -36,7 +36,7 @@ struct Sums {
   double cloud[2] = {0, 0}, chamfer[2] = {0, 0};
   size_t points[2] = {0, 0};
 
-  /// Returns the scores; reorders `range_errors`.
+  /// Returns the scores; takes `range_errors`.
   Summary finish();
 };
 

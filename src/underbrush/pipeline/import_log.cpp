@@ -10,7 +10,9 @@
 #include "underbrush/io/text.hpp"
 #include "underbrush/pipeline/copies.hpp"
 #include "underbrush/pipeline/import_checks.hpp"
+#include "underbrush/pipeline/pose_checks.hpp"
 #include "underbrush/pipeline/row_filter.hpp"
+#include "underbrush/pipeline/sensor_checks.hpp"
 #include "underbrush/sensor/pulse_returns.hpp"
 
 namespace underbrush::pipeline {

@@ -10,20 +10,22 @@
 namespace underbrush::pipeline {
 namespace {
 
+constexpr int kMostLines = 128, kMostSubRays = kMostLines * kMostLines;
+
 /// Parses a whole number from 1 to `most`.
 int whole(std::string_view word, int most) {
   const auto n = io::number_of(word);
   require(n && *n == std::floor(*n) && *n >= 1 && *n <= most,
-          "simulate: --super-sample takes N, COLUMNSxROWS or sensor");
+          "simulate: --super-sample takes N up to 16384, COLUMNSxROWS up to 128 each, or sensor");
   return int(*n);
 }
 
 std::vector<sensor::SubRay> sub_rays_of(const std::string& word, const sensor::Sensor& s) {
   if (word == "sensor") return sensor::grid_sub_rays(s.beam, s.sub_rays[0], s.sub_rays[1]);
   const size_t cross = word.find('x');
-  if (cross == std::string::npos) return sensor::spread_sub_rays(s.beam, whole(word, 1 << 14));
-  return sensor::grid_sub_rays(s.beam, whole(std::string_view(word).substr(0, cross), 128),
-                               whole(std::string_view(word).substr(cross + 1), 128));
+  if (cross == std::string::npos) return sensor::spread_sub_rays(s.beam, whole(word, kMostSubRays));
+  return sensor::grid_sub_rays(s.beam, whole(std::string_view(word).substr(0, cross), kMostLines),
+                               whole(std::string_view(word).substr(cross + 1), kMostLines));
 }
 
 void set_returns(const std::string& word, radiometry::ReceiverOptions& o) {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "underbrush/core/median.hpp"
 #include "underbrush/core/point_scan.hpp"
 
 namespace underbrush::sensor {
@@ -40,15 +41,6 @@ inline double azimuth_of(const Vec3f& p) { return std::atan2(double(p.y()), doub
 /// Computes the elevation of a point seen from the origin, rad, above the x–y plane.
 inline double elevation_of(const Vec3f& p) {
   return std::atan2(double(p.z()), std::hypot(double(p.x()), double(p.y())));
-}
-
-/// Computes the median of `values`, the upper of the two middle ones; 0 if there are none. It
-/// reorders `values`.
-inline double median(std::vector<double>& values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace underbrush::sensor

@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "underbrush/core/median.hpp"
+
 namespace underbrush::sensor {
 namespace {
 
@@ -81,9 +83,7 @@ std::optional<double> column_angle(const ScanGrid& grid) {
     steps.push_back(
         std::arg(grid.point(i).flat() * std::conj(grid.point(i - grid.column_step()).flat())));
   });
-  const auto middle = steps.begin() + ptrdiff_t(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
+  return median(std::move(steps));
 }
 
 /// Elevations beyond the first and the last known ring go on with the slope of a line through all.
