@@ -29,7 +29,7 @@ set(underbrush_pch_library
 set(underbrush_pch_outer ${underbrush_pch_library})
 set(underbrush_pch_test ${underbrush_pch_library} <gtest/gtest.h>)
 
-# What is compiled for a fast build and not for a fast run: half the time of -O3. Outer code (options, tables, pages,
+# What is compiled for a fast build and not for a fast run: three quarters of the time of -O3. Outer code (options, tables, pages,
 # messages, and modules in which a run spends little) is never the time of a run, and neither is what a test or a
 # study does beside the library.
 set(underbrush_optimization_outer -O1)
