@@ -140,13 +140,14 @@ std::string HelpFormatter::make_positionals(const CLI::App* app) const {
 
 std::string HelpFormatter::groups(const CLI::App* app, CLI::AppFormatMode mode) const {
   std::string out;
-  size_t left_out = 0;
+  size_t left_out = 0, unlisted = 0;
   std::vector<std::string> titles = app->get_groups();
   std::stable_partition(titles.begin(), titles.end(),
                         [](const std::string& title) { return title != kCommonGroup; });
   for (const std::string& group : titles) {
     auto options = app->get_options(
         [&](const CLI::Option* o) { return o->nonpositional() && o->get_group() == group; });
+    if (group == kUnlistedGroup) unlisted += options.size();
     if (group.empty() || group == kUnlistedGroup || options.empty()) continue;
     if (mode == CLI::AppFormatMode::Normal && hidden_.count(group)) {
       left_out += options.size();
@@ -159,6 +160,9 @@ std::string HelpFormatter::groups(const CLI::App* app, CLI::AppFormatMode mode) 
   if (left_out > 0) {
     const std::string program = app->get_parent() ? app->get_parent()->get_name() + " " : "";
     out += fmt::format("\n{} more options: {}{} --help-all\n", left_out, program, app->get_name());
+  } else if (unlisted > 0) {
+    out += fmt::format(
+        "\n{} more options, of configurations of papers: docs/reference/parameters.md\n", unlisted);
   }
   return out;
 }

@@ -1,9 +1,11 @@
-// This study asks how far a model may be trusted: beyond the end of what it was fitted to, where a
-// drive comes back, and between the rings that it knows.
+// This study scores a model beyond the log that it was fitted to: past the end of a stretch, where
+// a drive comes back, and between the rings.
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <set>
+#include <span>
 
 #include "studies/extrapolation.hpp"
 #include "studies/studies.hpp"
@@ -41,10 +43,24 @@ BeamLog scans_of(const fs::path& file, const std::vector<uint32_t>& scans) {
   return chosen(file, [&](const BeamLog& log, size_t i) { return wanted.count(log.scan[i]) > 0; });
 }
 
-/// What one source answers of a test log.
-struct Answers {
-  double answered = 0;  ///< Share of the real returns that it answers with a return.
-  double f1 = 0, capped_error_m = 0, median_range_error_m = 0;
+/// A score of the table.
+struct TableScore {
+  const char *heading, *key;
+  int digits;
+  double metrics::Summary::*value;
+};
+
+constexpr TableScore kScores[] = {
+    {"informedness", "informedness", 3, &metrics::Summary::informedness},
+    {"returns answered", "answered", 3, &metrics::Summary::recall},
+    {"F1", "f1", 4, &metrics::Summary::f1},
+    {"capped error, m", "capped_error_m", 3, &metrics::Summary::capped_error_m},
+    {"median range error, m", "median_range_error_m", 3, &metrics::Summary::median_range_error_m}};
+constexpr size_t kCappedError = 3;
+
+/// Sums of the scores of one source over tests of one protocol.
+struct ScoreSums {
+  std::array<double, std::size(kScores)> sum{};
   size_t tests = 0;
 };
 
@@ -62,16 +78,16 @@ class Sources {
     model_ = fitted({}, drive);
   }
 
-  /// Returns the answers of all sources, in the order of `kSources`.
-  std::vector<Answers> score(const BeamLog& test) const {
-    std::vector<Answers> out;
+  /// Returns the scores of all sources, in the order of `kSources`.
+  std::vector<metrics::Summary> score(const BeamLog& test) const {
+    std::vector<metrics::Summary> out;
     for (const elements::Model* model : {&model_, &meshes_[0], &meshes_[1]}) {
       pipeline::SimulateOptions options;
       options.seed = seed_;
-      out.push_back(answers(test, pipeline::simulate_log(*model, test, options)));
+      out.push_back(scored(test, pipeline::simulate_log(*model, test, options)));
     }
-    out.push_back(answers(test, metrics::looked_up(train_, test, metrics::LookUp::kWarped2)));
-    out.push_back(answers(test, metrics::always_hit(train_, test)));
+    out.push_back(scored(test, metrics::looked_up(train_, test, metrics::LookUp::kWarped2)));
+    out.push_back(scored(test, metrics::always_hit(train_, test)));
     return out;
   }
 
@@ -83,12 +99,11 @@ class Sources {
     return pipeline::fit_model({source}, options).model;
   }
 
-  static Answers answers(const BeamLog& test, const BeamLog& answered) {
+  static metrics::Summary scored(const BeamLog& test, const BeamLog& answered) {
     MemorySource real(test), simulated(answered);
     metrics::ScoreOptions options;
     options.cloud = false;
-    const metrics::Summary s = metrics::score(real, simulated, options).all;
-    return {s.recall, s.f1, s.capped_error_m, s.median_range_error_m, 1};
+    return metrics::score(real, simulated, options).all;
   }
 
   BeamLog train_;
@@ -97,18 +112,15 @@ class Sources {
   std::vector<elements::Model> meshes_;
 };
 
-/// The answers of one log, by protocol and source.
-using Rows = std::map<std::string, std::vector<Answers>>;
+/// The scores of one log, by protocol and source.
+using Rows = std::map<std::string, std::vector<ScoreSums>>;
 
-void add(Rows& rows, const std::string& protocol, const std::vector<Answers>& answers) {
-  std::vector<Answers>& sum = rows[protocol];
-  sum.resize(answers.size());
-  for (size_t k = 0; k < answers.size(); ++k) {
-    sum[k].answered += answers[k].answered;
-    sum[k].f1 += answers[k].f1;
-    sum[k].capped_error_m += answers[k].capped_error_m;
-    sum[k].median_range_error_m += answers[k].median_range_error_m;
-    ++sum[k].tests;
+void add(Rows& rows, const std::string& protocol, const std::vector<metrics::Summary>& scores) {
+  std::vector<ScoreSums>& sums = rows[protocol];
+  sums.resize(scores.size());
+  for (size_t k = 0; k < scores.size(); ++k) {
+    for (size_t s = 0; s < std::size(kScores); ++s) sums[k].sum[s] += scores[k].*kScores[s].value;
+    ++sums[k].tests;
   }
 }
 
@@ -149,28 +161,24 @@ void report_rows(const std::string& log, const Rows& rows, report::Table& table,
                  StudyResult& result) {
   for (const auto& [protocol, sums] : rows) {
     const std::string row = fmt::format("{}/{}", log, protocol);
-    std::string cells[4];
-    for (size_t k = 0; k < sums.size(); ++k) {
-      const double n = double(sums[k].tests);
-      const Answers a{sums[k].answered / n, sums[k].f1 / n, sums[k].capped_error_m / n,
-                      sums[k].median_range_error_m / n, sums[k].tests};
-      const char* between = k == 0 ? "" : " / ";
-      cells[0] += fmt::format("{}{:.3f}", between, a.answered);
-      cells[1] += fmt::format("{}{:.4f}", between, a.f1);
-      cells[2] += fmt::format("{}{:.3f}", between, a.capped_error_m);
-      cells[3] += fmt::format("{}{:.3f}", between, a.median_range_error_m);
-      result.figures[log][protocol][kSources[k]] = {
-          {"answered", a.answered},
-          {"f1", a.f1},
-          {"capped_error_m", a.capped_error_m},
-          {"median_range_error_m", a.median_range_error_m},
-          {"tests", a.tests}};
+    std::vector<std::string> cells{row};
+    for (size_t s = 0; s < std::size(kScores); ++s) {
+      std::string& cell = cells.emplace_back();
+      for (size_t k = 0; k < sums.size(); ++k) {
+        const double mean = sums[k].sum[s] / double(sums[k].tests);
+        cell += fmt::format("{}{:.{}f}", k == 0 ? "" : " / ", mean, kScores[s].digits);
+        nlohmann::ordered_json& figures = result.figures[log][protocol][kSources[k]];
+        figures[kScores[s].key] = mean;
+        figures["tests"] = sums[k].tests;
+      }
     }
-    table.rows.push_back({row, cells[0], cells[1], cells[2], cells[3]});
-    double best = sums[1].capped_error_m;
-    for (size_t k = 2; k < sums.size(); ++k) best = std::min(best, sums[k].capped_error_m);
+    table.rows.push_back(std::move(cells));
+    double best = sums[1].sum[kCappedError];
+    for (const ScoreSums& s : std::span(sums).subspan(2)) {
+      best = std::min(best, s.sum[kCappedError]);
+    }
     result.checks.push_back({row + ": capped error of the default over the best other source's",
-                             sums[0].capped_error_m / best, 1.0});
+                             sums[0].sum[kCappedError] / best, 1.0});
   }
 }
 
@@ -186,8 +194,9 @@ StudyResult study_extrapolation(const StudyRun& run) {
       "default / mesh / carved mesh / look-up of two scans / always hit. Inside the stretch: "
       "scans between those that were fitted. Denser: fitted to every fourth ring. "
       "Returns answered: share of the measured returns that get a return.",
-      {"log/protocol", "returns answered", "F1", "capped error, m", "median range error, m"},
+      {"log/protocol"},
       {}};
+  for (const TableScore& s : kScores) table.head.emplace_back(s.heading);
   std::vector<fs::path> logs;
   if (!run.data.empty()) {
     for (const fs::path& folder : halved_logs(run.data)) {

@@ -55,15 +55,15 @@ class Model {
   Values values;
   /// Ends the initialisation: reads the chain. Throws where it or a parameter is wrong.
   void start();
-  /// Processes the inputs. Inputs that cannot be used are told to `warn`, and the output then says
-  /// that no data are available.
+  /// Processes the inputs. Inputs that cannot be used are passed to `warn`, and the output then has
+  /// the state that no data are available.
   void step();
   /// Ends the simulation: completes the output trace.
   void stop();
   /// Goes back to the state after the construction.
   void reset();
-  /// Serialises what the environment simulator is asked for, if the parameters have changed, and
-  /// sets the variable.
+  /// Serialises the request to the environment simulator, if the parameters have changed, and sets
+  /// the variable.
   void request();
   /// The bytes of a binary variable, empty if it has none.
   std::string_view bytes(uint32_t reference) const;

@@ -10,19 +10,19 @@
 namespace underbrush::fmu {
 namespace {
 
-// What is of the FMU alone.
+// The variables that only the FMU has.
 const Variable kOwn[] = {
     {kSensorViewIn, "OSMPSensorViewIn", Type::kBinary, Role::kInput, "SensorView",
-     "What the environment simulator sees."},
+     "The SensorView of the environment simulator."},
     {kSensorDataOut, "OSMPSensorDataOut", Type::kBinary, Role::kOutput, "SensorData",
-     "What the sensor reports."},
+     "The SensorData of the sensor model."},
     {kSensorDataIn, "OSMPSensorDataIn", Type::kBinary, Role::kInput, "SensorData",
-     "The output of a model before this one, which goes on with it."},
+     "The output of a preceding model, which this one continues."},
     {kSensorViewInConfigRequest, "OSMPSensorViewInConfigRequest", Type::kBinary,
-     Role::kCalculatedParameter, "SensorViewConfiguration",
-     "The rays that the environment simulator is asked for."},
+     Role::kCalculatedParameter, "SensorViewConfiguration", "The rays that the FMU requests."},
     {kSensorViewInConfig, "OSMPSensorViewInConfig", Type::kBinary, Role::kParameter,
-     "SensorViewConfiguration", "What the environment simulator gives; it mounts the sensor."},
+     "SensorViewConfiguration",
+     "The rays that the environment simulator provides, with the mounting position of the sensor."},
     {kGroundTruthInit, "OSMPGroundTruthInit", Type::kBinary, Role::kParameter, "GroundTruth",
      "Static parts of the ground truth."},
     {kCount, "count", Type::kInteger, Role::kOutput, "0", "Number of objects in the output."},
@@ -53,7 +53,7 @@ Type type_of(std::string_view of_option) {
   return of_option == "int" ? Type::kInteger : Type::kString;
 }
 
-// A parameter that is the option `option` of a verb. `otherwise` says what the start value means.
+// A parameter that is the option `option` of a verb. `otherwise` is the meaning of the start value.
 template <class T>
 Variable parameter(uint32_t reference, std::string_view name, std::span<const Option<T>> table,
                    std::string_view option, std::string_view start, std::string_view otherwise) {

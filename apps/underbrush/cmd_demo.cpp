@@ -41,8 +41,8 @@ constexpr const char* kSynthetic =
     "in for reality. Nothing here was measured.";
 constexpr const char* kReal =
     "Real data: one scan of an Ouster OS0-128 in a forest (ROUGH data set, Czech Technical "
-    "University in Prague, BSD-3-Clause). The models know its even columns and are scored on the "
-    "odd ones.";
+    "University in Prague, BSD-3-Clause). The models are fitted to its even columns and scored on "
+    "the odd ones.";
 constexpr const char* kNoExample =
     "not found beside the program; UNDERBRUSH_SHARE may name the folder that holds examples/";
 

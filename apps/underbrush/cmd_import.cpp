@@ -58,7 +58,7 @@ std::string text_of(const pipeline::ImportReport& r, const std::string& output) 
   }
   for (const auto& [reason, n] : r.skipped) add("skipped", n, reason);
   if (r.beam.scans_ringed_by_elevation > 0) {
-    text += fmt::format("  note: rings of {} scans told by elevation\n",
+    text += fmt::format("  note: rings of {} scans determined from elevations\n",
                         r.beam.scans_ringed_by_elevation);
   }
   if (r.beam.scans_with_rings_renumbered > 0) {

@@ -83,7 +83,7 @@ void run(const Verb& verb, const Arguments& a) {
   for (size_t k = 0; k < a.simulated.size(); ++k) {
     names.push_back(a.names.empty() ? fs::path(a.simulated[k]).stem().string() : a.names[k]);
     require(std::count(names.begin(), names.end(), names.back()) == 1,
-            "score: two simulated logs of one name; tell them apart with --name");
+            "score: two simulated logs of one name; distinguish them with --name");
     candidates.push_back({names.back(), a.simulated[k], a.models.empty() ? "" : a.models[k]});
     inputs.push_back(a.simulated[k]);
     if (!a.models.empty()) inputs.push_back(a.models[k]);

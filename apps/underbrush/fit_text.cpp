@@ -36,7 +36,7 @@ std::string text_of_grain(const elements::Model& model, const calibrate::GrainRe
 
 std::string text_of_sway(const elements::Model& model, const calibrate::SwayReport& sway) {
   if (!sway.stands) return "";
-  if (!sway.known) return line("repeats", "too few to tell whether matter sways");
+  if (!sway.known) return line("repeats", "too few to determine whether matter sways");
   return line("repeats", "differ by {:.1f} cm from scan to scan, {:.1f} if matter is still: {}",
               100 * sway.real_m, 100 * sway.still_m,
               model.sway_s > 0 ? fmt::format("it sways in {:.2g} s", model.sway_s) : "it is still");

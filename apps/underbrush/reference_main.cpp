@@ -118,8 +118,7 @@ std::string_view help_of_perceive(std::string key) {
 std::string strategies_page() {
   std::string out =
       "# Parameters of strategies\n\nThis page is made from the program's tables; [OSI](osi.md) "
-      "says "
-      "what the strategies do. A parameter is a key of a\nstrategy's entry in a chain.\n";
+      "describes the strategies. A parameter is a key of a\nstrategy's entry in a chain.\n";
   for (const std::string& strategy : osi::strategy_names()) {
     const bool perceives = strategy == "tracking" || strategy == "grid";
     out += fmt::format("\n## {}\n\n| parameter | default | values |{}\n|---|---|---|{}\n", strategy,

@@ -28,17 +28,19 @@ struct PrimitivesValue {
   std::string report = "{}";
 };
 
+/// The labelled log, and what `report_of` reads.
 std::pair<BeamLog, std::string> segmented(const GivenLog& log,
                                           const pipeline::SegmentOptions& options,
                                           const nb::object& progress) {
-  std::pair<BeamLog, std::string> out;
+  BeamLog labelled;
+  std::string report;
   run_watched(progress, [&](const Hook& hook) {
     const std::unique_ptr<BeamSource> source = source_of(log, true);
     const pipeline::Segmentation found = pipeline::segment_log(
-        *source, options, [&](BeamSource& labelled) { out.first = whole_log(labelled); }, hook);
-    out.second = pipeline::json_of(found, options, skipped_in(*source)).dump();
+        *source, options, [&](BeamSource& beams) { labelled = whole_log(beams); }, hook);
+    report = pipeline::json_of(found, options, skipped_in(*source)).dump();
   });
-  return out;
+  return {std::move(labelled), std::move(report)};
 }
 
 PrimitivesValue extracted(const GivenModel& model, const GivenLog& labelled,

@@ -146,8 +146,8 @@ void bind_score(nb::module_& m) {
       .def_ro("crps_m", &Summary::crps_m,
               "m; mean continuous ranked probability score of the range.")
       .def("__repr__", [](const Summary& s) {
-        return nb::str(nb::str("Summary({} beams, packet error {:.3f} m, F1 {:.4f})")
-                           .attr("format")(s.beams, s.packet_error_m, s.f1));
+        return nb::str(nb::str("Summary({} beams, capped error {:.3f} m, informedness {:.4f})")
+                           .attr("format")(s.beams, s.capped_error_m, s.informedness));
       });
   // The protocols are functions of their own: compare_scans and compare_clouds.
   bind_options<pipeline::ScoreOptions>(m, "ScoreOptions", "score",
@@ -180,8 +180,8 @@ void bind_score(nb::module_& m) {
           },
           "Scores of what a simulator must beat, by name.")
       .def("__repr__", [](const S& s) {
-        return nb::str(nb::str("Score({} beams, packet error {:.3f} m, F1 {:.4f})")
-                           .attr("format")(s.all.beams, s.all.packet_error_m, s.all.f1));
+        return nb::str(nb::str("Score({} beams, capped error {:.3f} m, informedness {:.4f})")
+                           .attr("format")(s.all.beams, s.all.capped_error_m, s.all.informedness));
       });
   m.def("score", &scored, "real"_a, "simulated"_a, "model"_a.none(), "train"_a.none(), "cloud"_a,
         "options"_a, "progress"_a.none(),

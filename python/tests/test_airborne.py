@@ -55,7 +55,7 @@ def test_scan_angles_alone_give_less(tmp_path: pathlib.Path, height_m: float) ->
     assert np.all(rms(error) < height_m * np.array([0.05, 0.02, 0.01])), rms(error)  # The pitch is not known.
     assert np.all(rms(error) < 3 * rms(sigma)), rms(error / sigma)
     flat, up = np.hypot(*rms(sigma)[:2]), rms(sigma)[2]
-    assert found.said() == (
+    assert found.note() == (
         "the sensor's positions are estimated from the scan angles: 1 flight line, "
         f"{found.lines[0].found.height_m:.0f} m above the ground, 1-sigma {flat:.2g} m horizontally and {up:.2g} m "
         "vertically (--poses FILE gives the true ones)")

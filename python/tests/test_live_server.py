@@ -53,9 +53,9 @@ class Server:
         pages = int(pathlib.Path(f"/proc/{self.process.pid}/statm").read_text(encoding="utf-8").split()[1])
         return pages * 4096 / 1e6
 
-    def end(self, how: int = signal.SIGTERM) -> None:
+    def end(self, signal_number: int = signal.SIGTERM) -> None:
         """Ends the server and waits for it."""
-        self.process.send_signal(how)
+        self.process.send_signal(signal_number)
         self.process.communicate()
 
 

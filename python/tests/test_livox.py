@@ -15,7 +15,7 @@ from underbrush.errors import FormatError
 from underbrush.formats.packets import PacketRecording
 from velodyne_unit import joined, save
 
-NO_DIRECTION = "points without a return whose direction the packets do not tell"
+NO_DIRECTION = "points without a return, whose direction is not in the packets"
 
 
 @pytest.mark.parametrize("name", KINDS)

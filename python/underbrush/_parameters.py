@@ -55,11 +55,11 @@ class FitParameters(TypedDict, total=False):
     #: Number k of parameters fitted to the n points of each ellipsoid of the start; its variances grow by (n + k) /
     #: (n - k) (default 2).
     spent_at_start: float
-    #: Assumed probability that a return is lost, so that a single miss does not make the elements that the beam met
-    #: permeable (default 0.001).
+    #: Assumed probability that a return is lost; the greater it is, the more misses count as lost returns and not
+    #: as passes through elements (default 0.001).
     dropout: float
-    #: Exponent on the probabilities of the final model; above 1, draws have smaller errors, and the likelihood is
-    #: worse (default 1).
+    #: How certain the outcomes of the final model are: above 1, draws have smaller errors and the likelihood is
+    #: worse; 1 = as fitted (default 1).
     sharpness: float
     #: Keep scans as range images (keyframes), at most 16 within this distance; simulated beams near them use their
     #: pixels; 0 = none (m; default 2).
@@ -91,16 +91,14 @@ class SimulateParameters(TypedDict, total=False):
     #: for the number in the sensor's data file.
     super_sample: str
     returns: str  #: The reported echoes: strongest, first, last, or up to N (default: those of the sensor).
-    #: How leaves and stones are drawn at random: once = neighbouring beams and later scans meet the same ones, and
-    #: leaves sway if those of the model do; still = the same, but no leaf sways; anew = each beam meets leaves and
-    #: stones of its own (default once).
+    #: How leaves and stones are drawn at random: once = one draw for the whole simulation, so that neighbouring
+    #: beams and later scans meet the same leaves, which sway if fit found that they do; still = the same without
+    #: sway; anew = a new draw for each beam (default once).
     matter: str
-    #: Side of the cells in which matter that is drawn once is all there or absent; 0 = as in the model (m; default
-    #: 0).
-    grain: float
+    grain: float  #: Side of the cells within which matter is drawn as one; 0 = as in the model (m; default 0).
     tau: float  #: Mahalanobis distance within which a beam meets an ellipsoid; 0 = as in the model (default 0).
-    #: Correlation time of leaves that sway; 0 = the time that fit learnt, and leaves stand still if the log did not
-    #: show that they move (s; default 0).
+    #: Correlation time of swaying leaves; 0 = the time that fit learnt, or no sway if it learnt none (s; default
+    #: 0).
     wind: float
     support: bool  #: Add a column with the probability that a beam does not end in unknown space (default false).
     #: How the range of a beam is chosen: on_ray = at random along the beam; volumetric = at random in the volume of
@@ -207,7 +205,7 @@ class SegmentParameters(TypedDict, total=False):
     label_set: str  #: Label set that gives the numbers of --labels their meaning.
     truth: str  #: Column of the log with the numbers of the true trees, for comparison (default instance).
     ground_method: str  #: Method of ground segmentation (default lower_envelope).
-    min_range: float  #: Ignore hits nearer than this, m, such as those on the own vehicle (default 0).
+    min_range: float  #: Leave out returns nearer than this; they may be on the own vehicle (m; default 0).
     tile: float  #: Side of a tile of the ground segmentation (m; default 32).
     cell: float  #: Side of a column; 0 = 0.4, or more where points are sparse (m; default 0).
     gap: float  #: Empty height that separates objects in a column; 0 = by the side of the column (m; default 0).
@@ -262,8 +260,8 @@ class ExtractParameters(TypedDict, total=False):
     #: Fit each box to the points between the quantiles X and 1 − X along each axis; 0 = all points (the code of the
     #: authors of [tallavajhula18] has 0.05) (default 0).
     box_quantile: float
-    #: Which elements belong to an object: box = all whose centres lie in its box; own = those of them that also lie
-    #: among its points (default own).
+    #: Which elements belong to an object: box = all whose centres lie in its box; own = elements in the box that
+    #: also lie among the object's points (default own).
     elements: str
     #: Leave out ellipsoids that stopped less than this share of the beams that met them (default 0).
     free_space_below: float
@@ -276,8 +274,8 @@ class ComposeParameters(TypedDict, total=False):
     """Options of `compose`, as docs/reference/command-line.md lists them."""
 
     #: How the primitive of an object is chosen in its class: box = the nearest box; best = the best fit to the
-    #: object's points and beams, adapted to them, and no plant twice within 20 m if others fit; random = any
-    #: (default best).
+    #: object's points and beams; it is adapted to them, and no plant is repeated within 20 m if others fit; random
+    #: = a random one (default best).
     choose: str
     nearest: int  #: Choose each primitive at random among the N best ones (default 1).
     scale: bool  #: Scale each primitive to the box of its object (default false).

@@ -70,7 +70,7 @@ def with_logs(words: Sequence[str]) -> list[str]:
 
 
 def import_help(words: Sequence[str]) -> bool:
-    """Whether the words ask for the help of `import`, which has two parts."""
+    """Whether the words request the help of `import`, which has two parts."""
     return list(words[:1]) == ["import"] and any(word in ("-h", "--help", "--help-all") for word in words[1:])
 
 

@@ -15,7 +15,7 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("-o", "--output", metavar="TRACE", required=True, help="trace of the other kind")
     p.add_argument("--topic", help="the channel to read, where an MCAP file has several")
     p.add_argument("--force", action="store_true", help="replace a file that underbrush did not write")
-    p.add_argument("--kind", default="", help="the kind of messages, where the name of an .osi file does not tell it")
+    p.add_argument("--kind", default="", help="the kind of messages, if it is not in the name of the .osi file")
     return p
 
 

@@ -15,11 +15,11 @@ def submit(plan: str | os.PathLike[str], client: Any, *, threads: int = 1, retri
            memory: bool = False, remote: Remote | None = None) -> list[Any]:
     """Submits the tasks of a plan to a Dask `Client`, and returns a future for each, in the order of their numbers.
 
-    Workers need this package, and see the folder in which this process works, from which the plan was made, under the
-    same path. A future's result has `seconds` and `peak_memory_bytes`; a task that fails `retries` + 1 times raises
-    `RuntimeError` with the program's last line, and the others go on. With `memory`, each task asks for the plan's guess
-    of its memory as the resource `memory`, in bytes, which workers then must have (`dask worker --resources`). Once all
-    futures are done, `underbrush merge PLAN` joins what they made.
+    Workers need this package, and access under the same path to the folder in which this process works and the plan was
+    made. A future's result has `seconds` and `peak_memory_bytes`; a task that fails `retries` + 1 times raises
+    `RuntimeError` with the program's last line, and the others go on. With `memory`, each task requests the plan's
+    guess of its memory as the resource `memory`, in bytes, which workers then must have (`dask worker --resources`).
+    Once all futures are done, `underbrush merge PLAN` joins what they made.
 
     With `remote`, workers share no folder: files are fetched from where `underbrush.remote.put_plan` has put them, and
     `underbrush.remote.get_results` brings what the tasks made here before the merge.

@@ -64,7 +64,7 @@ def write(options: argparse.Namespace, recording: Recording, provenance: str) ->
         info.max_range_m = options.max_range
     if options.label_set:
         info.classes = options.label_set
-    measured = not options.max_range and not info.sensor  # Nobody has said how far the sensor reaches.
+    measured = not options.max_range and not info.sensor  # The maximum range of the sensor is not known.
     with LogWriter(options.output, info, provenance, not options.float, measured) as writer:
         for chunk in chunks:
             writer.write(chunk)

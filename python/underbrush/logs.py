@@ -18,7 +18,7 @@ def log_from_columns(*, origin: npt.ArrayLike, direction: npt.ArrayLike, range_m
 
     `origin` (n, 3) m, world; `direction` (n, 3) unit vectors, world; `range_m` (n,) m, infinity for a miss; the others
     (n,), zero where left out. `extra` gives further columns by name, of int8 to int32, uint8 to uint32, float32 or
-    float64. Without `info`, the log's `has_misses` says whether there is a miss among the rows. To copy nothing, fill
+    float64. Without `info`, `has_misses` of the log is true if there is a miss among the rows. To copy nothing, fill
     the views of `BeamLog(n)` instead.
 
     Raises `ValueError` for a column of another length or shape, for directions that are not unit vectors, for ranges that

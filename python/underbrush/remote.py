@@ -2,8 +2,8 @@
 
 A folder elsewhere takes the place of the one in which a plan was made: `put_plan` puts the plan and its inputs there,
 `run_task` runs a task on any machine that reaches it, `underbrush.dask.submit(..., remote=...)` all tasks on a cluster,
-and `get_results` brings what they made to where `underbrush merge` joins it. Neither plans nor records have what opens
-the folder: credentials are options of fsspec, or are found by its own ways (environment, profiles).
+and `get_results` brings what they made to where `underbrush merge` joins it. Neither plans nor records contain
+credentials: these are options of fsspec, or are found by fsspec itself (environment, profiles).
 """
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def get_results(plan: PathLike, remote: Remote) -> None:
     place = f"{root}/{folder.name}"
     if files.cat_file(f"{place}/plan.json") != (folder / "plan.json").read_bytes():
         raise ValueError(f"{remote.url}/{folder.name}: not the plan in {folder}")
-    for part in ("outputs", "records"):  # A record here says that its outputs are here.
+    for part in ("outputs", "records"):  # If a record is here, its outputs are here, too.
         if files.exists(f"{place}/{part}"):
             _get(files, f"{place}/{part}", folder / part)
 

@@ -33,10 +33,10 @@ TEST(KeyframeGrid, RefusesWhatIsNoMixture) {
   k.columns = 4;
   k.unit_m = 0.01;
   EXPECT_NO_THROW(k.check());
-  k.trust[3].elements = 0.5;
+  k.weights[3].elements = 0.5;
   EXPECT_THROW(k.check(), std::invalid_argument);
-  k.trust[3].pixel[0] = 0.5;
-  k.trust[3].scale = {0.5, 0.25, 0.25};
+  k.weights[3].pixel[0] = 0.5;
+  k.weights[3].scale = {0.5, 0.25, 0.25};
   EXPECT_NO_THROW(k.check());
   k.elevation = {0.1, 0};
   EXPECT_THROW(k.check(), std::invalid_argument);

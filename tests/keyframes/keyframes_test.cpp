@@ -113,7 +113,7 @@ TEST(Keyframes, OfTwoScansTheSecondNearestIsNotTrusted) {
   const elements::Model with = fitted(scanned({0, 0.7}, 0), 1),
                         without = fitted(scanned({0, 0.7}, 0), 0);
   ASSERT_TRUE(with.keyframes);
-  for (const elements::KeyframeTrust& t : with.keyframes->trust) {
+  for (const elements::KeyframeWeights& t : with.keyframes->weights) {
     for (size_t r = elements::Keyframes::kPixelsOfFrame; r < t.pixel.size(); ++r) {
       EXPECT_EQ(t.pixel[r], 0);
     }

@@ -54,13 +54,11 @@ int main(int argc, char** argv) {
   try {
     osi::ChainFile file;
     file.strategies.push_back({"tracer", "", {}, "", "tracer"});
-    for (const auto& [key, value] : {std::pair{"world", argv[1]},
-                                     {"sensor", argv[2]},
-                                     {"seed", argv[4]},
-                                     {"columns", "1"},
-                                     {"rows", "1"}}) {
-      file.set("tracer", key, value);
-    }
+    file.set("tracer", "world", argv[1]);
+    file.set("tracer", "sensor", argv[2]);
+    file.set("tracer", "seed", argv[4]);
+    file.set("tracer", "columns", "1");
+    file.set("tracer", "rows", "1");
     osi::Chain chain(file);
     BeamLog traced;
     const io::LogReader log(argv[3]);

@@ -34,6 +34,26 @@ TEST(Objective, OfAWorldIsThatOfItsAnswersScored) {
   EXPECT_EQ(b.score.at("crps_m"), s.crps_m);
 }
 
+TEST(Objective, DoesNotChangeIfRangeOffsetsAreInTheLogAndInTheModel) {
+  BeamLog log = test::drive_past_bushes(5, 4);
+  log.info.sensor = "two channels";
+  for (size_t i = 0; i < log.size(); ++i) log.ring[i] = uint16_t(i % 2);
+  MemorySource source(log);
+  elements::Model model = fit::fit(source, {}).model;
+  model.channels.clear();
+  elements::Model with_offsets = model;
+  with_offsets.channels = {{0, 0.4, 0.01}, {1, -0.4, 0.01}};
+  BeamLog measured = log;
+  add_offsets(with_offsets.channels, 1, measured);
+  for (const std::string& objective : optimize::objectives()) {
+    const double without = outcome_of(objective, TracedWorld(model), log, 7).objective;
+    const double both = outcome_of(objective, TracedWorld(with_offsets), measured, 7).objective;
+    const double log_only = outcome_of(objective, TracedWorld(model), measured, 7).objective;
+    EXPECT_NEAR(both, without, 0.002) << objective;
+    EXPECT_GT(log_only, without + 0.1) << objective;
+  }
+}
+
 TEST(Objective, OfABadStartIsMuchBetterAfterASearch) {
   const BeamLog log = test::drive_past_bushes(2, 8);
   MemorySource source(log);

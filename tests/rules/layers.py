@@ -305,7 +305,8 @@ BYPASSES = [
     "simulate::EchoMaker maker(traced.dynamic(), reflection, instrument, {});", "const simulate::DynamicWorld world(still);",
     "traced.still().nearest_accepted(ray, key, limits);", "using namespace simulate;", "namespace s = underbrush::simulate;",
     "simulate::scan(world, label, beam, 0, log);", "auto m = fit::fit(beams, {}).model;", "using namespace fit;", "auto start = fit::begin_fit(log, options);",
-    "fit::end_fit(log, start, refinement, options);", 'fit::fitter_named("voxel").fit(log, options, {});',
+    "auto scene = primitives::compose(site, ground, set, {}).scene;", "primitives::extract(model, log, options);",
+    "using namespace primitives;", "fit::end_fit(log, start, refinement, options);", 'fit::fitter_named("voxel").fit(log, options, {});',
 ]
 BAD = [({"studies/a.cpp": text + "\n", f"{LIBRARY}simulate/simulate.hpp": ""}, "by `pipeline` alone") for text in BYPASSES]
 BAD += [

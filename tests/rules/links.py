@@ -45,7 +45,7 @@ def links(page, text):
 
 def unmarked(page, text):
     out = [f"{page}: a block of commands without a mark <!-- run --> or <!-- no run: REASON -->:\n{script}"
-           for how, script in readme.steps(text) if how == "unmarked"]
+           for mark, script in readme.steps(text) if mark == "unmarked"]
     return out + [f"{page}:{line + 1}: commands stand in a fenced block, not in an indented one: {m.group().strip()}"
                   for line, m in rules.lines_with(INDENTED_COMMAND.pattern, FENCE.sub("", text))]
 

@@ -30,12 +30,12 @@ underbrush demo -o demo --sensor small.yaml --sub-rays 1
 """
 STEP = re.compile(r"<!--\s*(?P<demo>run: demo)\s*-->"
                   r"|<!--\s*(?P<hidden>run: hidden)\n(?P<commands>.*?)-->"
-                  r"|(?:<!--\s*(?P<how>run: make|run|no run:[^>]*?)\s*-->\s*)?"
+                  r"|(?:<!--\s*(?P<mark>run: make|run|no run:[^>]*?)\s*-->\s*)?"
                   r"^```(?:sh|console)\n(?P<block>.*?)^```", re.DOTALL | re.MULTILINE)
 
 
 def steps(text):
-    """Lists [(how, script)] in order; `how` is demo, run, make, none or unmarked."""
+    """Lists [(mark, script)] in order; `mark` is demo, run, make, none or unmarked."""
     out = []
     for m in STEP.finditer(text):
         if m.group("demo"):
@@ -44,11 +44,11 @@ def steps(text):
         if m.group("hidden"):
             out.append(("run", m.group("commands")))
             continue
-        how = m.group("how") or "unmarked"
-        how = {"run: make": "make"}.get(how, "none" if how.startswith("no run") else how)
+        mark = m.group("mark") or "unmarked"
+        mark = {"run: make": "make"}.get(mark, "none" if mark.startswith("no run") else mark)
         # In a console block only what follows the prompt is typed.
         typed = re.findall(r"^\$ (.*)$", m.group("block"), re.MULTILINE)
-        out.append((how, "\n".join(typed) + "\n" if typed else m.group("block")))
+        out.append((mark, "\n".join(typed) + "\n" if typed else m.group("block")))
     return out
 
 
@@ -87,19 +87,19 @@ def complaints(text, source, bin_folder, page="the page", kept=None):
     for name in ("MAKEFLAGS", "MAKELEVEL", "MFLAGS"):
         environment.pop(name, None)
     with tempfile.TemporaryDirectory() as folder:
-        for how, script in steps(text):
-            if how == "unmarked":
+        for mark, script in steps(text):
+            if mark == "unmarked":
                 found.append(f"a block that nobody runs, mark it:\n{script}")
-            elif how == "make":
+            elif mark == "make":
                 for line in script.splitlines():
                     words = line.split("#")[0].split()
                     if words and (words[0] != "make" or subprocess.run(
                             ["make", "-n", *words[1:]], cwd=source, env=environment, check=False,
                             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode):
                         found.append(f"no such target: {line}")
-            elif how in ("run", "demo"):
-                ran += how == "run"
-                done = (run(script, folder, environment) if how == "run" else
+            elif mark in ("run", "demo"):
+                ran += mark == "run"
+                done = (run(script, folder, environment) if mark == "run" else
                         run_demo(script, folder, environment, kept))
                 if done.returncode == 77:
                     print(f"skipped: the commands of {page} from here on:\n{done.stdout}")

@@ -18,7 +18,7 @@ import rules
 PAGES = ("command-line", "materials", "parameters", "sensor-catalogue", "strategies")
 
 
-FMU = "# Variables of the FMU\n\nThis page is made from the model description; [OSI](osi.md#the-fmu) says how the FMU works.\n\n"
+FMU = "# Variables of the FMU\n\nThis page is made from the model description; [OSI](osi.md#the-fmu) describes the FMU.\n\n"
 
 
 def printed(*command):

@@ -6,7 +6,8 @@ import rules
 
 RESULTS = "docs/results.md", 150
 LIMITS = {".hpp": 200, ".inl": 400, ".cpp": 400, ".py": 400, ".ts": 400}
-# The most lines of C++, Python and TypeScript of each room: what it had when it was last tidied, and a twentieth more.
+# The most lines of C++, Python and TypeScript of each room: a limit is raised only together with a feature
+# that users get, and in the same commit.
 ROOMS = {
     "apps": 5950, "apps/fmu": 1800, "apps/underbrush": 4400, "bench": 3500, "cli": 1700, "python/src": 3600, "python/underbrush":
     10150, "report": 2900, "studies": 9550, "web/src": 7750, "src/underbrush/actors": 1480,

@@ -290,7 +290,7 @@ TEST(BeamsFromScan, WhatSaysNothingIsLeftOutAndCounted) {
   const Trajectory still({{0, Pose{}}});
   EXPECT_EQ(beams_from_scan(scan, still, options, counts).size(), 2u);
   EXPECT_EQ(counts.hits, 2u);
-  EXPECT_EQ(counts.skipped.at("no coordinates and no grid to tell the direction"), 2u);
+  EXPECT_EQ(counts.skipped.at("no coordinates, and no grid that gives the direction"), 2u);
   EXPECT_EQ(counts.skipped.at("nearer than the sensor's minimum range"), 1u);
 
   scan.time_s = {0, 0, 0, 0, 99};

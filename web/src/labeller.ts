@@ -139,17 +139,17 @@ export class Labeller {
       return { name: state.classes[to]!.name, change: { class: to, of_class: alt ? this.current : null } };
     }
     const mode = shift ? 'add' : alt ? 'take away' : this.mode;
-    const how = mode === 'add' ? 'add' : mode === 'take away' ? 'remove' : 'only';
-    return { name: mode, change: { select: how } };
+    const select = mode === 'add' ? 'add' : mode === 'take away' ? 'remove' : 'only';
+    return { name: mode, change: { select } };
   }
 
   /** Takes what was drawn for another purpose; returns whether it did. */
   intercept: ((drawn: Drawn) => boolean) | null = null;
 
   /** Does to the points in a place what drawing would do to them. */
-  change(place: Change, how: string): void {
+  change(place: Change, source: string): void {
     const { name, change } = this.deed(false, false);
-    this.send({ ...this.conditions(), ...place, ...change, name: `${how}: ${name}` });
+    this.send({ ...this.conditions(), ...place, ...change, name: `${source}: ${name}` });
   }
 
   private drawn(drawn: Drawn): void {

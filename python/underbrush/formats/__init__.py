@@ -49,12 +49,13 @@ def kind_of(path: PathLike) -> str:
 def open_recording(path: PathLike, *, topic: str | None = None, poses: PathLike | None = None,
                    metadata: PathLike | None = None, sensor: str | None = None, frame: str | None = None,
                    clock: str = "stamp", unit: str = "") -> Recording:
-    """Opens a recording, of the kind that its content tells.
+    """Opens a recording, whose kind is detected from its content.
 
-    `topic`, `frame` and `clock` say what to read of a ROS recording (see `BagRecording`); for packet captures `topic`
-    is the stream, for E57 the station. `metadata` and `sensor` say how to decode packets. `poses` is a file of poses (see
-    `read_poses`) or a topic. `unit` (m, cm, mm, ft) is that of a LAS file's coordinates, by default its CRS's. Raises `FormatError` where the file cannot be read, `OptionMissing` where an option is needed, `ImportError`
-    where a library is, and `OSError`.
+    `topic`, `frame` and `clock` select what is read of a ROS recording (see `BagRecording`); for packet captures
+    `topic` is the stream, for E57 the station. `metadata` and `sensor` determine how packets are decoded. `poses` is a
+    file of poses (see `read_poses`) or a topic. `unit` (m, cm, mm, ft) is that of a LAS file's coordinates, by default
+    its CRS's. Raises `FormatError` where the file cannot be read, `OptionMissing` where an option is needed,
+    `ImportError` where a library is, and `OSError`.
     """
     kind = kind_of(path)
     recording: Any

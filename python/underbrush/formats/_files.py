@@ -17,7 +17,7 @@ __all__ = ["Array", "OptionMissing", "PathLike", "guarded", "need", "size_of", "
 
 
 class OptionMissing(ValueError):
-    """A file does not say all that is needed; the text is one line that names the option to add."""
+    """A file lacks data that are needed; the text is one line that names the option to add."""
 
 
 @contextlib.contextmanager
@@ -35,7 +35,7 @@ def guarded(path: PathLike, place: str | Callable[[], str]) -> Iterator[None]:
             raise
         reason = " ".join(str(error).split())[:200] or type(error).__name__
         if isinstance(error, MemoryError):
-            reason = "asks for more memory than there is"
+            reason = "needs more memory than there is"
         raise FormatError(path, place() if callable(place) else place, reason) from error
 
 

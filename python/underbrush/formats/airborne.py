@@ -18,7 +18,7 @@ _WORST_FLAT, _WORST_UP = 0.1, 0.2  # Of the height: standard errors beyond which
 
 @dataclasses.dataclass
 class FlightLine:
-    """The estimate of a flight line; `reason` says why there is none."""
+    """The estimate of a flight line; `reason` is why there is none."""
 
     found: Solution
     points: int
@@ -32,7 +32,7 @@ class Estimate:
     lines: list[FlightLine]
     poses: Poses  #: Positions by time, without rotations; NaN on flight lines that have no estimate.
 
-    def said(self) -> str:
+    def note(self) -> str:
         """One line: from what the positions were estimated, and how well."""
         good = [line.found for line in self.lines if not line.reason]
         sigma = [np.sqrt(np.mean(one.sigma**2, axis=0)) for one in good]
@@ -52,9 +52,9 @@ class Estimate:
 
 
 def estimate_poses(recording: Survey) -> Estimate:
-    """Reads a survey file once to estimate where its sensor was, and sets its poses and what is said of them.
+    """Reads a survey file once to estimate where its sensor was, and sets its poses and the note on them.
 
-    Raises `OptionMissing` with the reason where the points do not say it, `FormatError` where there are none.
+    Raises `OptionMissing` with the reason if it does not follow from the points, `FormatError` if there are none.
     """
     table, skipped = PulseTable(), recording.skipped.copy()
     timed = True
@@ -72,7 +72,7 @@ def estimate_poses(recording: Survey) -> Estimate:
         options = "--poses FILE (GPS time x y z) or, for a tripod, " * timed + "--position X,Y,Z"
         raise OptionMissing(f"{recording.path}: the sensor's positions are not in it and cannot be estimated, because "
                             f"{found}: add {options}")
-    recording.poses, recording.estimated = found.poses, found.said()
+    recording.poses, recording.estimated = found.poses, found.note()
     return found
 
 

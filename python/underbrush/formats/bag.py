@@ -34,7 +34,7 @@ _CLOCK = "scans whose clock jumps (--clock bag takes the times of the recording)
 
 @dataclasses.dataclass
 class _Topic:
-    """What the first messages of a topic with point clouds tell."""
+    """Facts from the first messages of a topic with point clouds."""
 
     layout: str = "unknown"
     sensor: str = ""
@@ -46,12 +46,13 @@ class _Topic:
 
 
 class BagRecording:
-    """A ROS recording. It holds one message at a time; poses are read in a pass of their own, when first asked for.
+    """A ROS recording. It holds one message at a time; poses are read in a pass of their own, when they are first
+    needed.
 
     `topic` is the point cloud to read, or the packets of a sensor, which are read where there is no point cloud;
     `frame` the sensor, where several publish there, or the frame of an Ouster's packets; `poses` a topic of the
     recording or a file of poses; `clock` "stamp" (the messages' stamps) or "bag" (the times of recording). `metadata`
-    and `sensor` say how packets are decoded (see `PacketRecording`).
+    and `sensor` determine how packets are decoded (see `PacketRecording`).
     """
 
     numbered = True  #: Whether its scans are revolutions or frames, and no pieces of a survey.
@@ -167,7 +168,7 @@ class BagRecording:
 
     @property
     def organised(self) -> bool:
-        """Whether its scans keep misses: nothing tells their direction in the frame of the world."""
+        """Whether its scans keep misses, whose direction cannot be determined in the frame of the world."""
         return self._organised and not self.world
 
     @property
@@ -258,19 +259,19 @@ class BagRecording:
             f"--frame {name}" for name in frames)
 
     def ask_poses(self) -> str:
-        """The line that asks for poses where there are none."""
+        """The error line that names the option for poses, if there are none."""
         ask = self._lidar.ask
         return f"{self.path}: {ask if '--poses' in ask else NO_POSES.replace('no poses in it', ask or 'no poses in it')}"
 
     def _all_messages(self, topic: str, skipped: collections.Counter[str]) -> Iterator[tuple[str, int, bytes]]:
-        """The topic's messages; `bytes_done` says how far the file is read."""
+        """The topic's messages; `bytes_done` is kept up to date."""
         def report(share: float) -> None:
             self.bytes_done = int(self.bytes_total * share)
 
         return self._messages.all_of(topic, skipped, report)
 
     def _peek(self, reader: Any, topic: str) -> _Topic:
-        """What the first messages of a topic tell."""
+        """Facts from the first messages of a topic."""
         first, stamps = _Topic(), list[tuple[float, float]]()
         self._times = _times_of(self.path, self._messages.kind_of(topic), 0.0)
         for kind, bag_ns, raw in itertools.islice(self._messages.of(reader, topic, self.skipped), _PEEKED):
@@ -300,7 +301,7 @@ class BagRecording:
 
     def _are_of_sensor(self, poses: Poses) -> bool:
         """Whether the rings of a cloud are cones about the origin although the sensor is elsewhere."""
-        kept, self.skipped, told = self.skipped, collections.Counter(), False
+        kept, self.skipped, are_cones = self.skipped, collections.Counter(), False
         for points, stamp, shift in self._clouds():
             place, _, inside = pose_at(poses, np.array([stamp + shift]))
             if not inside[0] or np.linalg.norm(place) < _ELSEWHERE_M:
@@ -310,10 +311,11 @@ class BagRecording:
                 if scan.xyz is not None and scan.ring is not None:
                     elevation = np.arctan2(scan.xyz[:, 2], np.hypot(scan.xyz[:, 0], scan.xyz[:, 1]))
                     rings = [elevation[scan.ring == ring] for ring in np.unique(scan.ring)]
-                    told = len(rings) > 1 and float(np.median([np.nanstd(ring) for ring in rings])) < _CONE_RAD
+                    spread = float(np.median([np.nanstd(ring) for ring in rings]))
+                    are_cones = len(rings) > 1 and spread < _CONE_RAD
             break
         self.skipped, self.bytes_done = kept, 0
-        return told
+        return are_cones
 
     def _points(self, kind: str, raw: bytes) -> tuple[npt.NDArray[np.void], float, str]:
         """The points of a message, its stamp (s) and its frame."""

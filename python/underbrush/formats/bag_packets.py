@@ -39,7 +39,7 @@ class _Reader:
 
     def __init__(self, raw: bytes, ros1: bool) -> None:
         self._raw, self._ros1 = raw, ros1
-        self._at = 0 if ros1 else 4  # Four bytes of CDR say its order: little endian on all machines that record.
+        self._at = 0 if ros1 else 4  # Four bytes of CDR give the byte order: little endian on all machines that record.
 
     def number(self) -> int:
         return int.from_bytes(self.part(4, 4), "little")

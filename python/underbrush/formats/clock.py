@@ -17,10 +17,10 @@ class Clock:
     """Turns a sensor's own stamps into absolute times, given the times at which packets were captured.
 
     A clock that agrees with the capture's to a minute is set (by GPS or PTP), and its stamps are taken as they are,
-    also those in TAI, which is 37 s ahead of UTC. With `believed` 'sensor' every clock is, with 'capture' none is.
-    Any other one only counts, so that its stamps are shifted: its first packet gets the time of its capture. After a
-    jump the same choice is made anew. `period_s` is the time after which stamps begin again at 0 (Velodyne: an hour);
-    `reference_s` is the true time minus the time of capture, where something tells it (GPS).
+    also those in TAI, which is 37 s ahead of UTC. With `believed` 'sensor' every clock is, with 'capture' none is. Any
+    other one only counts, so that its stamps are shifted: its first packet gets the time of its capture. After a jump
+    the same choice is made anew. `period_s` is the time after which stamps begin again at 0 (Velodyne: an hour);
+    `reference_s` is the true time minus the time of capture, if it is known (from GPS).
     """
 
     def __init__(self, period_s: float | None = None, reference_s: float = 0.0, believed: str = "auto") -> None:

@@ -1,8 +1,8 @@
-"""Least squares for the sensor's way along one flight line.
+"""Least squares for the sensor's path along one flight line.
 
 The returns of a pulse lie on a line through the sensor, so that the lines of neighbouring pulses meet where it was
 [gatziolis19]. All lines of a flight line are solved at once here, with a smooth trajectory and, where the file has
-them, the scan angles: the angle at which the sensor sees a point across the axis of its scanner.
+them, the scan angles: the angle of a point, as seen from the sensor, across the axis of its scanner.
 """
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _FIRST_RANGE_M, _ROUNDS, _HUBER_ROUNDS, _TUKEY, _SMALL_M = 1000.0, 30, 8, 4.685,
 
 @dataclasses.dataclass
 class Solution:
-    """Positions at times of a flight line and their standard errors; `reason` says why there are none."""
+    """Positions at times of a flight line and their standard errors; `reason` is why there are none."""
 
     time_s: Floats  #: (m,), from the first point to the last.
     position: Floats  #: (m, 3), m.
@@ -42,7 +42,7 @@ class Solution:
 def solved(pulses: Floats, cells: Floats, whole: bool) -> Solution:
     """Solves a flight line of a `PulseTable`: pulses (n, 7) in order of time, and cells (k, 11).
 
-    `whole` says that scan angles are rounded to degrees.
+    `whole`: whether scan angles are rounded to degrees.
     """
     problem = _Problem(pulses, cells, whole)
     out = Solution(problem.time, problem.position, np.full((problem.nodes, 3), np.inf))

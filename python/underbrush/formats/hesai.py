@@ -1,10 +1,11 @@
 """Decoder of Hesai's point cloud packets, of the models in `MODELS`.
 
-Angles, times and the start of a revolution are those of the sensor catalogue where it has the model; what only packets
-know stands in `MODELS`. A block's azimuth is that of the rotor at the time that firing times count from, and a laser's
-is the rotor's at its own time. Those of an AT128, whose mirror spins, follow from its correction file. In each firing, a
-QT128, a Pandar128 or an OT128 fires only some of its channels. A file of firing times tells which ones, and when. Times
-of an OT128's firings are those of the maker's driver; Nebula's are 43 µs later. Sources: those of `hesai_packets`.
+Angles, times and the start of a revolution are those of the sensor catalogue where it has the model; `MODELS` has what
+the catalogue lacks. A block's azimuth is that of the rotor at the time that firing times count from, and a laser's is
+the rotor's at its own time. Those of an AT128, whose mirror spins, follow from its correction file. In each firing, a
+QT128, a Pandar128 or an OT128 fires only some of its channels. A file of firing times has these channels and their
+times. Times of an OT128's firings are those of the maker's driver; Nebula's are 43 µs later. Sources: those of
+`hesai_packets`.
 """
 from __future__ import annotations
 
@@ -83,7 +84,7 @@ def recognise(data: bytes) -> bool:
 def model_of(layout: Layout, sensor: str | None = None, times: str = "") -> Model:
     """The model that sends such packets. Raises ValueError where it is not known, or not `sensor`.
 
-    Models whose packets are alike are told apart by the kind of their firing times.
+    Models whose packets are alike are distinguished by the kind of their firing times.
     """
     alike = [model for model in MODELS if model.protocol == layout.protocol and model.lasers == layout.lasers
              and layout.blocks in model.blocks]
@@ -111,7 +112,7 @@ class Decoder:
 
     def __init__(self, probe: list[bytes], captured_s: Floats, skipped: collections.Counter[str],
                  sensor: str | None = None, correction: pathlib.Path | None = None, clock: str = "auto") -> None:
-        """`probe` and `captured_s` are the first packets, which tell the model, and their times of capture.
+        """`probe` and `captured_s` are the first packets, from which the model follows, and their times of capture.
 
         `correction` is the unit's file of angles, or a folder with it and the file of firing times.
         """
@@ -190,9 +191,9 @@ class Decoder:
         """(states, channels) times, s, of the channels in a firing; NaN where one does not fire."""
         if self.model.times:
             if times is None:
-                raise ValueError(f"a {self.title} fires some of its channels at a time, and packets do not tell which; put "
-                                 "its angle correction file and its file of firing times into a folder, and give that "
-                                 "with --metadata FOLDER")
+                raise ValueError(f"a {self.title} fires some of its channels at a time, and the packets do not contain "
+                                 "which; put its angle correction file and its file of firing times into a folder, and "
+                                 "give that with --metadata FOLDER")
             if times.kind != self.model.times or times.us.shape[1] != self.model.lasers:
                 raise ValueError(f"the firing times in {self.source} are not those of a {self.title}")
             if self.model.times == "loops" and (self.layout.flags & SELF_DEFINED or len(times.us) != 2):

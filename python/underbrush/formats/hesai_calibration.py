@@ -20,7 +20,7 @@ _MOST_CHANNELS = 256
 def read_angles(path: str | pathlib.Path) -> tuple[Floats, Floats]:
     """Elevations and azimuth offsets (clockwise), rad, of the channels in order. Raises OSError, FormatError.
 
-    Lines of another number of columns (titles, a check sum) are passed over.
+    Lines of another number of columns (titles, a check sum) are skipped.
     """
     text = pathlib.Path(path).read_text(encoding="utf-8-sig", errors="replace")
     rows: list[tuple[float, float]] = []

@@ -1,4 +1,4 @@
-"""Layouts of Hesai's point cloud packets, as their headers tell them.
+"""Layouts of Hesai's point cloud packets, as given by their headers.
 
 Sources: the maker's manuals (Pandar40P, Pandar64, PandarXT) and drivers (HesaiLidar_SDK_2.0, HesaiLidar_General_SDK),
 and Tier IV's driver Nebula (which has AT128, OT128 and both QT, too).
@@ -36,7 +36,7 @@ _PANDAR40_BYTES = 10 * (4 + 40 * 3) + 22
 
 @dataclasses.dataclass(frozen=True)
 class Layout:
-    """What a packet's header tells."""
+    """The layout that a packet's header gives."""
 
     protocol: tuple[int, int]
     lasers: int

@@ -22,7 +22,7 @@ _EPILOG = """examples:
 
 
 class Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line, as the program does."""
+    """Prints an error in one line, as the program does."""
 
     def error(self, message: str) -> NoReturn:
         self.exit(2, f"underbrush: {' '.join(message.split())} (see underbrush import --help)\n")
@@ -33,11 +33,12 @@ def parser() -> Parser:
     p = Parser(prog="underbrush import", epilog=_EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter,
                description="Convert a recording to a ray cloud PLY.", allow_abbrev=False)
     p.add_argument("file", metavar="FILE", help="bag, MCAP, LAS, LAZ, pcap, pcapng, E57 or HELIOS++ .xyz")
-    p.add_argument("-o", "--output", metavar="LOG.ply", help="the log; without it, say what the recording holds")
+    p.add_argument("-o", "--output", metavar="LOG.ply",
+                   help="the log; without it, the content of the recording is printed")
     p.add_argument("--topic", default="", metavar="NAME",
                    help="the topic (bags), ADDRESS:PORT (captures) or station (E57: its number or name) to read")
     p.add_argument("--poses", metavar="FILE|TOPIC",
-                   help="poses of the sensor; default: the recording's own, or those that an airborne survey's points tell")
+                   help="poses of the sensor; default: the recording's own, or those estimated from an airborne survey")
     p.add_argument("--position", metavar="X,Y,Z", type=_place, help="place of a sensor that stands still, in the coordinates of the recording")
     p.add_argument("--unit", default="", choices=tuple(UNITS),
                    help="unit of the coordinates of a LAS or LAZ file, and of its sensor's places; default: its CRS's, or m")
@@ -46,7 +47,7 @@ def parser() -> Parser:
     p.add_argument("--metadata", metavar="FILE",
                    help="the sensor's metadata (Ouster JSON, Velodyne YAML or XML, Hesai CSV or DAT, or a folder with a "
                         "Hesai's two CSV files, of angles and of firing times)")
-    p.add_argument("--sensor", default="", metavar="SENSOR", help="the sensor; default: what the recording says")
+    p.add_argument("--sensor", default="", metavar="SENSOR", help="the sensor; default: that of the recording")
     p.add_argument("--infer-misses", default="", metavar="SENSOR",
                    help="infer misses from this sensor's scan pattern, for point clouds of bags that drop them")
     p.add_argument("--unknown-below-deg", type=_number(-90, 90), metavar="X",
@@ -69,7 +70,7 @@ def parser() -> Parser:
 
 
 def parsed(words: Sequence[str]) -> argparse.Namespace:
-    """Returns the options that the words and their `--config` say. Raises `FormatError`, `OSError`."""
+    """Returns the options in the words and in their `--config`. Raises `FormatError`, `OSError`."""
     p = parser()
     words = list(words)
     for k in range(len(words) - 1, 0, -1):

@@ -16,7 +16,7 @@ from .layouts import take_rows
 from .scans import Scan, far_from_sensor
 
 INFERRED = 1  #: The bit of `flags` of an inferred miss.
-_EPOCH_S = 100_000_000  # Time of each scan's beginning as the library sees it, s: its file is named so.
+_EPOCH_S = 100_000_000  # Time of each scan's beginning in the library, s: its file is named so.
 _UNFIT = "scans without inferred misses, which the named sensor cannot have made"
 _KEPT = ("xyz", "direction", "range_m", "origin", "beam_time_s", "intensity", "ring", "echo", "echoes")
 
@@ -24,9 +24,10 @@ _KEPT = ("xyz", "direction", "range_m", "origin", "beam_time_s", "intensity", "r
 class MissInference:
     """Adds to the scans of a recording the misses that a spinning sensor must have had between their returns.
 
-    The rule is the library's (`insert_misses`), which reads each scan from a file of its own in a private folder.
-    A revolution takes the mean of those times between scans, which begin at `times_s`, that are within 15 % of the
-    sensor's own; without such it takes that. An organised scan with misses of its own is left as it is. Raises `FormatError` where the first scan cannot be of the sensor, `ValueError` where it does not spin.
+    The rule is the library's (`insert_misses`), which reads each scan from a file of its own in a private folder. A
+    revolution takes the mean of those times between scans, which begin at `times_s`, that are within 15 % of the
+    sensor's own; without such it takes that. An organised scan with misses of its own is left as it is. Raises
+    `FormatError` where the first scan cannot be of the sensor, `ValueError` where it does not spin.
     """
 
     def __init__(self, path: PathLike, sensor: str, times_s: npt.NDArray[np.float64],
@@ -69,7 +70,7 @@ class MissInference:
         near = np.setdiff1d(np.arange(len(first)), source[~miss], assume_unique=True)
         if len(near):
             skipped["points nearer than the sensor's minimum range"] += len(near)
-        # The library tells rings that lack numbers or have others than the sensor's channels.
+        # The library recognises rings without numbers, or with others than those of the sensor's channels.
         ring = np.zeros(len(first), np.uint16)
         ring[source[~miss]] = log.ring[~miss]
         scan.ring = ring[np.searchsorted(first, np.arange(len(scan)), side="right") - 1]

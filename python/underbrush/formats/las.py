@@ -22,9 +22,9 @@ NS_PER_M = 2 / 0.299792458  # Of a pulse's way there and back.
 _CHUNK_BYTES = 32 << 20  # Points of a scan, as the file stores them.
 _WITHHELD = 4
 _LACKING = "returns that the file lacks, of pulses with several"
-_UNTOLD = "returns whose pulse is not known, because pulses share their gps_time: each is a beam of its own"
+_UNKNOWN_PULSE = "returns whose pulse is not known, because pulses share their gps_time: each is a beam of its own"
 _NO_ORDER = "returns whose pulse is not known, because there is no gps_time: each is a beam of its own"
-_TOLD = 0.9  # Share of whole pulses among the returns of pulses that share a time, where the file's order tells them.
+_DETERMINED = 0.9  # Share of whole pulses among the returns of pulses that share a time, if their order is right.
 _DEGREES = ("its coordinates are longitude and latitude in degrees: project them to m first, such as with PDAL's "
             "filters.reprojection")
 _FINEST_M = 1e-5  # Scales of coordinates in m are coarser.
@@ -113,7 +113,7 @@ class LasRecording(Survey):
             yield reader
 
     def notes(self) -> list[str]:
-        """What a user must know of the beams."""
+        """Notes on the beams for the user."""
         return [*super().notes(), *([self._units.note()] if self._units.note() else [])]
 
     def scans(self) -> Iterator[Scan]:
@@ -181,19 +181,20 @@ class LasRecording(Survey):
         if "heliosAmplitude" in scan.extra:
             scan.intensity = np.asarray(scan.extra.pop("heliosAmplitude")).astype(np.float32)
         begins = _beams(raw, self.has_time)
-        if shared is not None and not _are_told(raw, begins, shared):
-            untold = shared & (_returns(raw)[1] > 1)
-            self.skipped[_UNTOLD if self.has_time else _NO_ORDER] += int(np.count_nonzero(untold))
+        if shared is not None and not _are_determined(raw, begins, shared):
+            unknown = shared & (_returns(raw)[1] > 1)
+            self.skipped[_UNKNOWN_PULSE if self.has_time else _NO_ORDER] += int(np.count_nonzero(unknown))
             begins |= shared
         else:
             shared = None
         self._number(scan, raw, begins, shared)
         return self._without_bad(scan)
 
-    def _number(self, scan: Scan, raw: Any, begins: npt.NDArray[np.bool_], untold: npt.NDArray[np.bool_] | None) -> None:
+    def _number(self, scan: Scan, raw: Any, begins: npt.NDArray[np.bool_],
+                unknown: npt.NDArray[np.bool_] | None) -> None:
         """Numbers the returns of each beam and counts those that the file lacks, but for returns of unknown pulses."""
         scan.echo, scan.echoes = ranks(begins)
-        first = begins if untold is None else begins & ~untold
+        first = begins if unknown is None else begins & ~unknown
         lacking = int(np.maximum(_returns(raw)[1][first].astype(np.int16) - scan.echoes[first], 0).sum())
         if lacking:
             self.skipped[_LACKING] += lacking
@@ -242,7 +243,7 @@ def _order(raw: Any) -> tuple[npt.NDArray[np.int64] | None, npt.NDArray[np.bool_
     time is that of several pulses; None where there are none.
 
     Rows of equal time are one pulse's if no return number (of a scanner's channel) occurs twice among them; if one
-    does, nothing tells the pulses apart but the file's order, which stays.
+    does, the pulses can be distinguished only by the file's order, which is kept.
     """
     time, number = raw["gps_time"], _returns(raw)[0].astype(np.int16)
     if "classification_flags" in raw.dtype.names:
@@ -266,9 +267,9 @@ def _order(raw: Any) -> tuple[npt.NDArray[np.int64] | None, npt.NDArray[np.bool_
     return order, unclear
 
 
-def _are_told(raw: Any, begins: npt.NDArray[np.bool_], shared: npt.NDArray[np.bool_]) -> bool:
-    """Whether the order of the rows tells the pulses that share a time: nearly all of those with several returns are
-    whole, and not more of them are if the last return comes first."""
+def _are_determined(raw: Any, begins: npt.NDArray[np.bool_], shared: npt.NDArray[np.bool_]) -> bool:
+    """Whether the order of the rows determines the pulses that share a time: nearly all of those with several returns
+    are whole, and not more of them are if the last return comes first."""
     number, count = _returns(raw)
     several = shared & (count > 1)
     if not several.any():
@@ -281,7 +282,7 @@ def _are_told(raw: Any, begins: npt.NDArray[np.bool_], shared: npt.NDArray[np.bo
         beam = np.cumsum(starts) - 1
         return int(np.count_nonzero(several & (np.bincount(beam)[beam] == count) & (number == first)[starts][beam]))
 
-    return whole(begins, np.ones_like(number)) >= max(whole(falling, count), _TOLD * np.count_nonzero(several))
+    return whole(begins, np.ones_like(number)) >= max(whole(falling, count), _DETERMINED * np.count_nonzero(several))
 
 
 def _beams(raw: Any, timed: bool) -> npt.NDArray[np.bool_]:

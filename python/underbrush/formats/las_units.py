@@ -1,4 +1,4 @@
-"""The unit of the coordinates of a LAS file, which its coordinate reference system says."""
+"""The unit of the coordinates of a LAS file, from its coordinate reference system."""
 from __future__ import annotations
 
 import dataclasses
@@ -49,7 +49,7 @@ def _name(unit_m: float) -> str:
 
 
 def units_of_wkt(text: str) -> Units | None:
-    """The units of a coordinate reference system in WKT, of either version; None where it does not say them."""
+    """The units of a coordinate reference system in WKT, of either version; None if it has none."""
     root = _parsed(text)
     vertical = _find(root, _VERTICAL)
     up = _unit(vertical) if vertical else None
@@ -64,7 +64,7 @@ def units_of_wkt(text: str) -> Units | None:
 
 
 def units_of_keys(keys: dict[int, int], doubles: dict[int, float], text: str) -> Units | None:
-    """The units that GeoTIFF keys say: the values of keys with short values, those with doubles, and all texts."""
+    """The units in GeoTIFF keys: the values of keys with short values, those with doubles, and all texts."""
     system, height = keys.get(3072, 0), keys.get(4096, 0)
     up = _KEYS.get(keys.get(4099, 0), _NAVD88.get(height))
     if keys.get(1024) == 2 or (1024 not in keys and 2048 in keys and not system):

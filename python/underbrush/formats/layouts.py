@@ -103,7 +103,7 @@ def guess_sensor(layout: str, scan: Scan) -> str:
 def times_of(column: Array, name: str, layout: str, stamp_s: float, others: PointTimes) -> Floats:
     """Absolute times (s) of a column of times.
 
-    A driver's own column of the table's type has the table's unit, if that fits; `others` tells it.
+    A driver's own column of the table's type has the table's unit, if that fits; otherwise `others` finds the unit.
     """
     known = LAYOUTS.get(layout)
     own = known is not None and known.time == name and known.dtype[name].kind == column.dtype.kind
@@ -115,8 +115,8 @@ def scan_from_points(points: npt.NDArray[np.void], stamp_s: float, number: int,
                      skipped: collections.Counter[str], times: PointTimes | None = None) -> tuple[Scan, str]:
     """A scan from the structured array (rows, columns) of a cloud, and the name of its layout.
 
-    Points that are not finite or (0, 0, 0) are misses where the cloud is organised; elsewhere nothing tells their
-    direction: they are left out and counted. `times` knows the unit of the recording's times. `ValueError` without
+    Points that are not finite or (0, 0, 0) are misses where the cloud is organised; elsewhere their direction cannot be
+    determined, and they are left out and counted. `times` has the unit of the recording's times. `ValueError` without
     x, y, z.
     """
     own = points.dtype.names or ()

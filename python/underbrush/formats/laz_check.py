@@ -1,7 +1,7 @@
 """Checks a LAS or LAZ file before a library reads it: every count in it must fit the file.
 
-laspy and lazrs believe the counts of a file; a damaged one makes them ask for as much memory as it says, or run
-through billions of records that are not there. lazrs then ends the whole process.
+laspy and lazrs do not check the counts of a file. If a count is damaged, they allocate as much memory as it states, or
+read billions of records that are not there, and lazrs then ends the whole process.
 """
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _LARGEST_CHUNK = 64 << 20  # bytes of points; lazrs keeps whole chunks only wher
 
 @dataclasses.dataclass(frozen=True)
 class LasFacts:
-    """What the header of a checked file says."""
+    """Facts from the header of a checked file."""
 
     points: int
     compressed: bool
@@ -51,12 +51,12 @@ def check_las(path: PathLike, file: BinaryIO, size: int) -> LasFacts:
     crs = _extended_crs(file, evlr_at, evlrs, size, fail)
     if not point_format & 0xC0:
         if points * point_size > size - offset:
-            raise fail(f"byte {size}", f"says {points} points, has {(size - offset) // point_size}: truncated")
+            raise fail(f"byte {size}", f"states {points} points, has {(size - offset) // point_size}: truncated")
         return LasFacts(points, False, False, crs)
     file.seek(header_size)
     vlr = _laz_record(file, records, offset)
     if vlr is None:
-        raise fail("header", "no record that says how the points are compressed")
+        raise fail("header", "no record with the compression of the points")
     if points == 0:
         return LasFacts(0, True, False, crs)
     parallel = _check_chunks(path, file, size, offset, point_size, points, vlr)
@@ -64,7 +64,7 @@ def check_las(path: PathLike, file: BinaryIO, size: int) -> LasFacts:
 
 
 def _extended_crs(file: BinaryIO, at: int, count: int, size: int, fail: Any) -> bytes:
-    """The WKT of an extended record. Others, waveforms among them, are passed over."""
+    """The WKT of an extended record. Others, waveforms among them, are skipped."""
     if count and (at > size or count * 60 > size - at):
         raise fail("header", f"{count} extended records do not fit the file")
     for _ in range(count):

@@ -26,11 +26,11 @@ _SCAN_S = 0.1  #: The sensors have no revolutions; a scan is as long as those of
 _LATE = 5  #: A packet that comes so many scans late belongs to a clock that was set back.
 _MOST_POINTS = 200_000  #: In a scan, where stamps stand still; the fastest sensor has 45 200 in 0.1 s.
 _TRIPLE = (7, 8)  #: Kinds of version 5 that only the Avia sends.
-_NO_DIRECTION = "points without a return whose direction the packets do not tell"
+_NO_DIRECTION = "points without a return, whose direction is not in the packets"
 
 
 class Model(NamedTuple):
-    """What a sensor has that its packets do not tell."""
+    """Facts about a sensor that its packets lack."""
 
     title: str
     sensor: str  #: Name in the catalogue; empty where it has none.
@@ -71,7 +71,7 @@ class Decoder:
 
     def __init__(self, probe: list[bytes], captured_s: Floats, skipped: collections.Counter[str],
                  sensor: str | None = None, clock: str = "auto") -> None:
-        """`probe` and `captured_s` are the first packets, which tell the model, and their times of capture."""
+        """`probe` and `captured_s` are the first packets, from which the model follows, and their times of capture."""
         layouts = collections.Counter(layout_of(data) for data in probe)
         layouts.pop(None, None)
         layout = layouts.most_common(1)[0][0]
@@ -143,10 +143,10 @@ class Decoder:
             direction = np.broadcast_to(one[:, None], (*length.shape, 3))
         tag = returns["tag"] if "tag" in (returns.dtype.names or ()) else np.zeros(length.shape, np.uint8)
         # A beam's directions of all returns; the one of a return that is absent is that of another one, or none.
-        told = np.isfinite(direction[..., 0])
-        known = told.any(axis=1)
+        has_direction = np.isfinite(direction[..., 0])
+        known = has_direction.any(axis=1)
         self.skipped[_NO_DIRECTION] += int((~known).sum())
-        lacking = np.where(told, np.arange(layout.returns), np.argmax(told, axis=1)[:, None])
+        lacking = np.where(has_direction, np.arange(layout.returns), np.argmax(has_direction, axis=1)[:, None])
         direction = np.take_along_axis(direction, lacking[..., None], axis=1)
         return _Points(time_s[known], line[known].astype(np.uint16), direction[known], length[known] * layout.unit_m,
                        returns["reflectivity"][known], tag[known])
@@ -215,7 +215,7 @@ def _packets_of(layout: Layout, data: list[bytes]) -> npt.NDArray[Any]:
 
 
 def _points_per_s(layout: Layout, packets: Packets) -> float:
-    """Points a second: of the header, or of the time between stamps; the usual ones where neither tells."""
+    """Points a second: of the header, or of the time between stamps; the usual ones if both are missing."""
     if layout.version == NEW_VERSION:
         span_s = float(np.median(packets["span"])) * 1e-7
         return layout.points / span_s if span_s > 0 else 2e5

@@ -57,7 +57,7 @@ _OLD_INERTIAL, _NEW_INERTIAL = 6, 0
 
 @dataclasses.dataclass(frozen=True)
 class Layout:
-    """What a packet's header tells."""
+    """The layout that a packet's header gives."""
 
     version: int
     kind: int

@@ -1,4 +1,4 @@
-"""The makers whose packets are known by their content, and what their decoders have in common."""
+"""The makers whose packets are recognised by their content, and what their decoders have in common."""
 from __future__ import annotations
 
 import collections
@@ -66,7 +66,7 @@ def _livox(first: Probe, skipped: collections.Counter[str]) -> Decoder:
 
 
 class Maker(NamedTuple):
-    """A maker whose packets are known by their content."""
+    """A maker whose packets are recognised by their content."""
 
     recognise: Callable[[bytes], bool]
     decoder: Callable[[Probe, collections.Counter[str]], Decoder]

@@ -125,7 +125,7 @@ class NumpyRecording:
         if dtype.kind not in "iuf" or (fortran and len(shape) > 1) or min(shape, default=0) < 0:
             raise ValueError(f"column {info.filename} is no row-major array of numbers")
         if int(np.prod([int(n) for n in shape], dtype=object)) * dtype.itemsize > info.file_size:
-            raise ValueError(f"column {info.filename} says {shape[0]} rows: truncated")
+            raise ValueError(f"column {info.filename} states {shape[0]} rows: truncated")
         return dtype, shape
 
     def found(self) -> list[str]:

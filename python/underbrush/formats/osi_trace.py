@@ -80,7 +80,7 @@ def _osi_topics(reader: Any, stream: BinaryIO, reading: Any) -> list[str]:
 
 
 def kind_of_trace(path: PathLike) -> str:
-    """The kind of messages that the name of an `.osi` file tells, such as "SensorView", or "" if it tells none."""
+    """The kind of messages in the name of an `.osi` file, such as "SensorView", or "" if the name has none."""
     codes = [code for code in re.split(r"[_.]", pathlib.Path(path).name.lower())[:-1] if code in KINDS]
     return KINDS[codes[0]][0] if codes else ""
 
@@ -150,13 +150,13 @@ def _schema(kind: str) -> bytes:
 def osi_to_mcap(source: PathLike, target: PathLike, *, kind: str = "", description: str = "") -> int:
     """Writes an `.osi` trace as MCAP and returns the number of messages.
 
-    `kind` names the messages ("SensorView"); without it the name of `source` tells it (`OptionMissing` if it does
-    not). `description` goes to the metadata. The target appears whole or not at all. Raises `FormatError` for damaged
-    traces, `ImportError` without mcap and osi-python, and `OSError`.
+    `kind` names the messages ("SensorView"); without it, the kind is that in the name of `source` (`OptionMissing` if
+    the name has none). `description` goes to the metadata. The target appears whole or not at all. Raises `FormatError`
+    for damaged traces, `ImportError` without mcap and osi-python, and `OSError`.
     """
     kind = kind or kind_of_trace(source)
     if kind not in {name for name, _ in KINDS.values()}:
-        raise OptionMissing(f"{source}: its name does not tell the kind of messages: give kind, such as SensorView")
+        raise OptionMissing(f"{source}: the kind of messages is not in its name: give kind, such as SensorView")
     writing, protobuf = need("mcap.writer"), need("google.protobuf")
     count = 0
     with written_whole(target) as path, path.open("wb") as stream:

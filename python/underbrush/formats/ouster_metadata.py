@@ -57,7 +57,7 @@ PROFILES = {
     "FIVE_WORD_PIXEL": Profile(20, _DUAL_NIR, 19),
 }
 
-#: Sizes of packets of 16 columns, by which packets without metadata are told from others.
+#: Sizes of packets of 16 columns, by which packets without metadata are recognised.
 SIZES = {(0 if profile.legacy else 64) + 16 * ((20 if profile.legacy else 12) + rows * profile.pixel_bytes)
          for profile in PROFILES.values() for rows in (16, 32, 64, 128)}
 
@@ -72,13 +72,13 @@ class Metadata:
     """What a decoder needs of a sensor's metadata. Raises FormatError where a file lacks it."""
 
     product: str  #: Product line, such as OS-1-128; empty for old files.
-    serial: int  #: 0 where it is not told.
+    serial: int  #: 0 if the metadata lack it.
     profile_name: str
     columns: int  #: In a frame.
     columns_per_packet: int
     window: tuple[int, int]  #: First and last column that the sensor sends; the first may be the greater one.
     fusa: bool  #: Whether headers of packets are those of functional safety.
-    port: int  #: Of lidar packets; 0 where it is not told.
+    port: int  #: Of lidar packets; 0 if the metadata lack it.
     elevation: Floats  #: (rows,), rad.
     azimuth: Floats  #: (rows,), rad, clockwise from the encoder's angle.
     origin_m: tuple[float, float]  #: Of the beams: distance from the axis and height.
@@ -115,7 +115,7 @@ class Metadata:
 
     @classmethod
     def of_text(cls, text: str | bytes, path: str | pathlib.Path) -> Metadata:
-        """Reads the text of such a file; `path` says where it stands. Raises FormatError."""
+        """Reads the text of such a file; `path` is the file that has it. Raises FormatError."""
         try:
             file = json.loads(text)
             if not isinstance(file, dict):

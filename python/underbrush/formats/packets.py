@@ -60,10 +60,10 @@ class PacketRecording:
         `metadata` is the JSON file of an Ouster (default: FILE.json or FILE_0.json beside the capture), the calibration
         of a Velodyne (XML of VeloView or YAML of the ROS driver), or the angle correction of a Hesai (CSV, DAT of an
         AT128, or a folder with the files of angles and of firing times). `sensor` is a name of the catalogue, for
-        sensors whose packets do not tell their model. `stream` is 'ADDRESS:PORT',
-        'ADDRESS' or 'PORT', where several sensors are in one capture. `clock` 'sensor' takes the sensor's stamps as
-        they are, 'capture' takes their intervals only and begins with the time of capture, and 'auto' chooses as
-        `Clock` says. Raises OSError, or FormatError with one line that says what is missing.
+        sensors whose packets do not contain their model. `stream` is 'ADDRESS:PORT', 'ADDRESS' or 'PORT', where several
+        sensors are in one capture. `clock` 'sensor' takes the sensor's stamps as they are, 'capture' takes their
+        intervals only and begins with the time of capture, and 'auto' chooses as described at `Clock`. Raises OSError,
+        or FormatError with one line that names what is missing.
         """
         self.path = pathlib.Path(path)
         self.skipped: collections.Counter[str] = collections.Counter()
@@ -87,9 +87,9 @@ class PacketRecording:
         return self._capture.bytes_done if self._capture is not None else 0
 
     def found(self) -> list[str]:
-        """Lines that say what is in the recording.
+        """Lines that describe the recording.
 
-        Counts are those of the scans read so far; if none have been read, of the first packets, and then say so.
+        Counts are those of the scans read so far; if none have been read, those of the first packets, with a note.
         """
         decoder, totals, skipped = self._decoder, self._totals, self.skipped
         note = ""

@@ -208,7 +208,7 @@ class Capture:
         if protocol != 17:
             return None
         if end > len(frame):
-            self.skipped[_CUT if length > len(frame) else "packets shorter than their header says"] += 1
+            self.skipped[_CUT if length > len(frame) else "packets shorter than stated in their header"] += 1
             return None
         payload: bytes | None = frame[begin:end]
         if more or offset:
@@ -218,7 +218,7 @@ class Capture:
         assert payload is not None
         _, port, size = struct.unpack_from(">HHH", payload)
         if size > len(payload):
-            self.skipped["datagrams shorter than their header says"] += 1
+            self.skipped["datagrams shorter than stated in their header"] += 1
             return None
         source = addresses[:len(addresses) // 2]
         return Datagram(time_s, source, port, payload[8:size or len(payload)])

@@ -34,7 +34,7 @@ def beams(recording: Recording, *, poses: Poses | PathLike | None = None,
     place of a sensor that stands still. It is in m, and so are `Poses`, but a position and a file of poses for a survey
     file have its coordinates, in its unit. Without both, the positions of an airborne sensor are estimated from a
     survey file. What is left out is counted in `recording.skipped`. Raises `OptionMissing` with one line that names the
-    option to add where nothing says where the sensor was, `FormatError` where that is far from the points.
+    option to add if the place of the sensor is not known, `FormatError` if it is far from the points.
     """
     path = getattr(recording, "path", "recording")
     known = poses_of(recording, poses, estimated=position is None)

@@ -11,7 +11,7 @@ Floats = npt.NDArray[np.float64]
 
 _LONGEST_OFFSET_S = 100.0  # A larger time is not an offset within a scan but absolute.
 _DATES_S = (1e9, 4.2e9)  # Seconds since 1970: the years 2001 to 2103.
-_ENOUGH = 20  # Points of a scan; fewer tell no unit.
+_ENOUGH = 20  # Points of a scan; fewer do not determine the unit.
 _UNITS = (("ns", 1e-9), ("µs", 1e-6), ("ms", 1e-3), ("s", 1.0))
 
 _SUFFIXES = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
@@ -19,19 +19,19 @@ _USELESS = "the points' times ({}) {}: the motion within a scan is not compensat
 
 
 class PointTimes:
-    """Turns columns of times into seconds, in the unit that the first scan of 20 points and more tells.
+    """Turns columns of times into seconds; the unit is determined from the first scan of at least 20 points.
 
     Whole numbers are ns and others s, if that fits: the times of a scan span at most 1.3 of the period and at least a
     twentieth of it or 20 ms. Else the unit is the one of ns, µs, ms and s that fits, or the values are shares of the
     scan's period. Where the period is not known, times of 1 ms and more fit in the usual unit, and 10 ms to 1 s in
-    others. A name that ends in _ns, _us, _ms or _s says the unit. This is the rule of the program, too
+    others. A suffix _ns, _us, _ms or _s of the name gives the unit. This is the rule of the program, too
     (io/point_times.hpp). Times that are all equal, and floats whose steps are longer than a twentieth of the period,
-    say nothing of the points: `note` says so, and the latter become the stamp.
+    are not the times of points: `note` has a message, and the latter become the stamp.
     """
 
     def __init__(self, path: PathLike, period_s: float = 0.0, unit_s: float = 0.0) -> None:
         self._path, self._period = path, period_s
-        self._unit = unit_s  # Known from the start where the format says it.
+        self._unit = unit_s  # Known from the start if the format defines it.
         self.note = ""  #: What was assumed; empty where the unit is the usual one.
 
     def _fits(self, span: float, usual: bool) -> bool:
@@ -40,9 +40,9 @@ class PointTimes:
         return span >= 1e-3 if usual else 0.01 <= span <= 1
 
     def _unit_of(self, name: str, usual: float, low: float, span: float, count: int) -> float:
-        said = name.rpartition("_")[2] if "_" in name else ""
-        if said in _SUFFIXES:
-            self._unit = _SUFFIXES[said]
+        suffix = name.rpartition("_")[2] if "_" in name else ""
+        if suffix in _SUFFIXES:
+            self._unit = _SUFFIXES[suffix]
             return self._unit
         whole = usual == 1e-9
         for _, unit in _UNITS:

@@ -116,12 +116,12 @@ def _with_formats(path: pathlib.Path, kind: str) -> Iterator[pathlib.Path]:
     if kind != "folder":
         yield path
         return
-    told = (path / "metadata.yaml").read_text(encoding="utf-8", errors="replace")
-    storage = "mcap" if re.search(r"\.mcap(\.zstd)?[\"']? *$", told, re.MULTILINE) else "sqlite3"
-    named = told
+    metadata = (path / "metadata.yaml").read_text(encoding="utf-8", errors="replace")
+    storage = "mcap" if re.search(r"\.mcap(\.zstd)?[\"']? *$", metadata, re.MULTILINE) else "sqlite3"
+    named = metadata
     for key, name in (("storage_identifier", storage), ("serialization_format", "cdr")):
         named = re.sub(rf"""^([ -]*{key}:) *(?:""|'')? *$""", rf"\1 {name}", named, flags=re.MULTILINE)
-    if named == told:
+    if named == metadata:
         yield path
         return
     with tempfile.TemporaryDirectory() as folder:
@@ -150,9 +150,9 @@ def opened(path: pathlib.Path, kind: str) -> Iterator[Any]:
                 raise FormatError(path, "open", " ".join(str(error).replace(str(place), str(path)).split())) from error
             stack.callback(reader.close)
             if kind == "folder":  # The files themselves may not name the format of the messages.
-                told = {(c.topic, c.msgtype): c.ext for c in reader.connections}
+                facts = {(c.topic, c.msgtype): c.ext for c in reader.connections}
                 for storage in reader.storages:
-                    storage.connections = [c._replace(ext=told.get((c.topic, c.msgtype), c.ext))
+                    storage.connections = [c._replace(ext=facts.get((c.topic, c.msgtype), c.ext))
                                            for c in storage.connections]
             if kind == "ros1":
                 reader.chunks = {at: chunk._replace(decompressor=_bounded(chunk.decompressor))

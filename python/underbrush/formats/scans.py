@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 Array = npt.NDArray[np.generic]
 
-#: What is said of a recording without poses.
+#: The message for a recording without poses.
 NO_POSES = ("no poses in it: add --poses FILE (t x y z qx qy qz qw, world from sensor) or, for a sensor that stands still, "
             "--position X,Y,Z")
 _FAR_M, _EXTENT, _ENOUGH = 300.0, 0.3, 20  # m; of the distance; points.
@@ -73,7 +73,7 @@ class Recording(Protocol):
         """Whether `xyz` are world coordinates (survey files), and not the sensor's frame."""
 
     def found(self) -> list[str]:
-        """Lines that say what is in the recording: topics, sensors, rates, counts, time span."""
+        """Lines that describe the recording: topics, sensors, rates, counts, time span."""
 
     def scans(self) -> Iterator[Scan]:
         """Yields all scans in order. Broken records are counted in `skipped`.
@@ -97,7 +97,7 @@ class Survey:
         raise NotImplementedError
 
     def notes(self) -> list[str]:
-        """What a user must know of the beams."""
+        """Notes on the beams for the user."""
         return [self.estimated] if self.estimated else []
 
 

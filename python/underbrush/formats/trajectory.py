@@ -16,7 +16,7 @@ Floats = npt.NDArray[np.float64]
 
 _LONGEST_LINE = 4096
 _QUATERNION, _ANGLES = ("qx", "qy", "qz", "qw"), ("roll", "pitch", "yaw")
-#: What the columns of these names are; others are told by their parts.
+#: What the columns of these names are; others are recognised by their parts.
 _NAMES = {name: what for what, names in {
     "t": "t sec secs seconds s", "nsec": "nsec nsecs nanosec nanosecs nanoseconds", "x": "x easting east e",
     "y": "northing north n", "z": "z height h altitude alt elevation elev ellipsoidalheight up",
@@ -241,13 +241,14 @@ def _of_scans(path: PathLike, table: Floats, times_of_scans: Callable[[], Floats
 def read_poses(path: PathLike, times_of_scans: Callable[[], Floats] | None = None, places_only: bool = False) -> Poses:
     """Reads a text file of poses, world from sensor; `#` begins a comment, commas are blanks.
 
-    A line of names above the rows says the order of time, position and quaternion, as in EuRoC's files, or of roll,
-    pitch and yaw (degrees, or rad where the line says so). Without one the number of columns tells the format: 4 is
-    `t x y z` (no rotation), 7 a HELIOS++ trajectory (`x y z t roll pitch yaw`, or `t roll pitch yaw x y z` where only
-    that has rising times and angles; degrees), 8 TUM (`t x y z qx qy qz qw`), 13 a time and a row-major 3×4 matrix, 12 the
-    matrix alone. The rows of 12 columns are one a scan (KITTI, Ouster's and KISS-ICP's), and the first of 13 columns
-    may be the numbers of scans instead of times. They then have the times that `times_of_scans` gives, and the motion
-    goes on beyond the first and the last. With `places_only` no rotation is needed. Raises `FormatError`.
+    A line of names above the rows gives the order of time, position and quaternion, as in EuRoC's files, or of roll,
+    pitch and yaw (degrees, or rad if it is named in the line). Without one, the number of columns determines the
+    format: 4 is `t x y z` (no rotation), 7 a HELIOS++ trajectory (`x y z t roll pitch yaw`, or `t roll pitch yaw x y z`
+    where only that has rising times and angles; degrees), 8 TUM (`t x y z qx qy qz qw`), 13 a time and a row-major 3×4
+    matrix, 12 the matrix alone. The rows of 12 columns are one a scan (KITTI, Ouster's and KISS-ICP's), and the first
+    of 13 columns may be the numbers of scans instead of times. They then have the times that `times_of_scans` gives,
+    and the motion goes on beyond the first and the last. With `places_only` no rotation is needed. Raises
+    `FormatError`.
     """
     rows: list[list[float]] = []
     named: tuple[dict[str, int], int] = {}, 0

@@ -28,7 +28,7 @@ class LidarPoses:
 
     poses: Poses | None
     text: str = "none"  #: From which topic, by which frames.
-    note: str = ""  #: What was assumed of the frames; empty where they say it.
+    note: str = ""  #: What was assumed of the frames; empty if nothing was.
     world: bool = False  #: Whether the point clouds are in the frame of the poses, so that only positions are used.
     ask: str = ""  #: Why there are none, and which option to add; empty where the recording has nothing of the kind.
 
@@ -169,7 +169,7 @@ class FrameTree:
             if bodies:
                 return LidarPoses(None, ask=f"the point clouds are in {lidar}, in which several frames move "
                                             f"({', '.join(bodies)}): add --poses FILE")
-        # Transforms that stand still are those of a lidar that stands still, where two signs of the three say so.
+        # Transforms that stand still are those of a lidar that stands still, if two of three signs indicate it.
         signs = not self._topics, chain[-1] in FIXED, not all(self._edges[a][b].static for a, b in edges)
         if any(self._moves(*edge) for edge in edges) or (edges and sum(signs) >= 2):
             return LidarPoses(self._product(self._path(chain[-1], lidar)), "/tf: " + " -> ".join(reversed(chain)))

@@ -1,8 +1,8 @@
 """Decoder of Velodyne's data packets: HDL-32E, VLP-16 (also Hi-Res), VLP-32C, HDL-64E S2 and S3, VLS-128.
 
-Angles, times and range steps are those of the sensor catalogue; what only packets know stands in `MODELS`.
-Sources: the makers' manuals, the public ROS driver (VLS-128: place of the stamp), VeloView and the manuals of the
-HDL-64E S2 and S3 (times of the lasers, calibration in the status bytes).
+Angles, times and range steps are those of the sensor catalogue; `MODELS` has what the catalogue lacks. Sources: the
+makers' manuals, the public ROS driver (VLS-128: place of the stamp), VeloView and the manuals of the HDL-64E S2 and S3
+(times of the lasers, calibration in the status bytes).
 """
 from __future__ import annotations
 
@@ -102,7 +102,8 @@ def rings_of_lasers(model: Model, file: catalogue.SpinningSensor) -> npt.NDArray
 
 
 def utc_of(position: bytes) -> float | None:
-    """Time (s since 1970) at which a position packet was sent, if GPS tells it (a valid $GPRMC); None otherwise."""
+    """Time (s since 1970) at which a position packet was sent, if it is known from GPS (a valid $GPRMC); None
+    otherwise."""
     try:
         fields = position[206:].split(b"\0")[0].decode("ascii").split(",")
         if not fields[0].endswith("RMC") or fields[2] != "A":
@@ -127,7 +128,7 @@ class Decoder:
     def __init__(self, probe: list[bytes], captured_s: Floats, skipped: collections.Counter[str],
                  sensor: str | None = None, calibration: Calibration | None = None, reference_s: float = 0.0,
                  clock: str = "auto") -> None:
-        """`probe` and `captured_s` are the first packets, which tell the model, and their times of capture."""
+        """`probe` and `captured_s` are the first packets, from which the model follows, and their times of capture."""
         first = np.frombuffer(b"".join(probe), dtype=PACKET)
         self.model = model_of(first, sensor)
         file = catalogue.load(self.model.sensor)
@@ -164,7 +165,7 @@ class Decoder:
         return (12 if not dual else 6 if self._lasers < 128 else 4) * 32 // self._lasers
 
     def _is_dual(self, packets: Packets) -> bool:
-        """Whether most packets have both returns. Where no byte tells it, two firings of the same azimuth do."""
+        """Whether most packets have both returns. If no byte states it, two firings of the same azimuth show it."""
         if self._has_modes:
             return bool((packets["mode"] == _DUAL).mean() > 0.5)
         azimuth, banks = packets["blocks"]["azimuth"], len(self.model.flags)

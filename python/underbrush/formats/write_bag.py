@@ -27,9 +27,9 @@ _VERSION = 8
 class BagWriter:
     """Writes a log of beams, scan by scan, with its poses as /tf.
 
-    The name tells the kind: `.mcap` and `.db3` are single ROS 2 files, `.bag` is a ROS 1 bag, any other a ROS 2 folder
-    (of MCAP); `compress` packs chunks (lz4 in ROS 1 bags, zstd in MCAP). `layout` is one of `LAYOUTS`. Points are in
-    the sensor's frame at their own firing; times count from the scan's first beam.
+    The kind follows from the name: `.mcap` and `.db3` are single ROS 2 files, `.bag` is a ROS 1 bag, any other a ROS 2
+    folder (of MCAP); `compress` packs chunks (lz4 in ROS 1 bags, zstd in MCAP). `layout` is one of `LAYOUTS`. Points
+    are in the sensor's frame at their own firing; times count from the scan's first beam.
 
     A cloud is organised, its misses kept, where the driver's is and all rings of the scan have as many beams: ouster
     then writes the first echo of each beam; velodyne does so only where no beam has several. Use it in a `with`; the

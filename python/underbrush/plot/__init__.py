@@ -1,7 +1,7 @@
 """Pictures of logs, models and scores with Matplotlib (`pip install 'underbrush[plot]'`).
 
 Each function draws into the axes `ax`, or into a figure of its own, and returns the axes, so that titles, limits and
-further artists can be added. Colours can be told apart by people with any of the usual forms of colour blindness:
+further artists can be added. People with any of the usual forms of colour blindness can distinguish the colours:
 `cividis` for amounts, `PuOr` for signed errors, and the colours of Okabe and Ito for kinds.
 """
 from __future__ import annotations

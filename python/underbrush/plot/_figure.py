@@ -1,4 +1,4 @@
-"""What all pictures share: axes, and colours that colour-blind people can tell apart."""
+"""What all pictures share: axes, and colours that colour-blind people can distinguish."""
 from __future__ import annotations
 
 import matplotlib.pyplot as plt

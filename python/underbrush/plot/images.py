@@ -22,8 +22,8 @@ _WIDEST_GAP = 4  # pixels; a log may lack columns, and rings are shifted against
 
 @dataclass(frozen=True)
 class Panorama:
-    """Where the beams of a scan stand in a picture: a row a ring, the highest on top; azimuth falls from left to
-    right, as the sensor sees it."""
+    """Where the beams of a scan stand in a picture: a row a ring, the highest on top; azimuth falls from left to right,
+    as seen from the sensor."""
 
     row: npt.NDArray[np.int64]  #: (rows, columns): the log's row that each pixel shows, -1 for none.
     elevation_rad: Array  #: (rows,), rad: mean elevation of each row in the sensor's frame.
@@ -116,7 +116,7 @@ def _column(log: BeamLog, value: str | npt.ArrayLike) -> tuple[Array, str]:
 def range_image(log: BeamLog, value: str | npt.ArrayLike = "range_m", *, scan: int | None = None,
                 ax: Axes | None = None, cmap: str = AMOUNT, limits: tuple[float, float] | None = None,
                 colorbar: bool = True, columns: int | None = None) -> Axes:
-    """Draws a scan of a log as its sensor sees it, by default the range of the first one.
+    """Draws a scan of a log as seen from its sensor, by default the range of the first one.
 
     `value` is a column ("range_m", "intensity", the name of a further one) or an array (n,) with a value for each row
     of the log. Misses are grey; places into which no beam points are white. `limits` are the values at the ends of the

@@ -258,8 +258,8 @@ ChannelOffsets learn_offsets(BeamSource& log, const ChannelOptions& options) {
     cells = e.cells;
     Eigen::MatrixXd matrix = precision * e.matrix;
     Eigen::VectorXd right = precision * e.right;
-    // The prior is about the mean, which is free but for a weak prior of its own: it is told, if
-    // badly, by surfaces that are seen at several angles, and would pass into the others.
+    // The prior is about the mean, which is free but for a weak prior of its own: it follows,
+    // if badly, from surfaces that were measured at several angles, and would pass into the others.
     const double n = double(rings);
     const Eigen::Map<const Eigen::VectorXd> at(offset.data(), long(rings));
     matrix.diagonal().array() += prior;

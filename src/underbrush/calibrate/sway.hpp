@@ -18,7 +18,7 @@ struct SwayReport {
   double real_m = 0;      ///< m; the log's difference.
   double still_m = 0;     ///< m; the difference if all matter stands still.
   double anew_m = 0;      ///< m; the difference if each beam draws its own matter.
-  /// Whether there were pairs enough, and times, to tell whether the matter sways.
+  /// Whether there were enough pairs and times to determine whether the matter sways.
   bool known = false;
 };
 

@@ -14,7 +14,7 @@ namespace underbrush::cluster {
 struct BeamSpacing {
   double in_ring = 0;  ///< From a beam to the nearest direction of its ring.
   /// From a beam to the rings above and below, the mean of both; as `in_ring` where a scan has one
-  /// ring or does not tell rings apart.
+  /// ring or its rings are not distinguished.
   double from_ring = 0;
   bool operator==(const BeamSpacing&) const = default;
 };

@@ -1,6 +1,6 @@
 /// \file
-/// This file has the tables of options: one for each verb, over which the command line,
-/// configuration files, the reference pages and Python loop.
+/// The type of a row in a verb's table of options. The command line, configuration files, the
+/// reference pages, Python and `serve` read these tables.
 #pragma once
 #include <algorithm>
 #include <charconv>

@@ -37,7 +37,7 @@ constexpr double kSlotsARow = 8;  // slots of the table of rows, for each row
 
 bool sums_to_one(double sum) { return std::abs(sum - 1) < 1e-6; }
 
-void check_trust(const KeyframeTrust& t) {
+void check_weights(const KeyframeWeights& t) {
   double weights = t.elements, scales = 0;
   bool ok = t.elements >= 0;
   for (const double w : t.pixel) weights += w, ok &= w >= 0;
@@ -69,7 +69,7 @@ void Keyframes::check() const {
       require(o.allFinite(), "keyframes: an origin is not finite");
     }
   }
-  for (const KeyframeTrust& t : trust) check_trust(t);
+  for (const KeyframeWeights& t : weights) check_weights(t);
 }
 
 size_t agreement(const double* range_m, size_t count) {

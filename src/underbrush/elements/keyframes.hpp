@@ -33,14 +33,14 @@ struct Keyframe {
   std::vector<KeyframePixel> pixels;  ///< Row by row; end points are relative to `origin`.
 };
 
-/// The trust in keyframes in one situation, as weights: the answer to a beam is the mixture
+/// The weights of keyframes in one situation. The range of a beam then has the mixture distribution
 ///
 ///   w N_model + Σ_k r_k Σ_s c_s N(z_k, σ_s²)
 ///
-/// of the answer of the elements and the ranges z_k of the pixels found along the beam, where a
-/// pixel without a return stands for a miss. The weights w and r_k sum to 1, and so do the c_s. The
-/// weight of a pixel that is unknown goes to the elements.
-struct KeyframeTrust {
+/// of the distribution under the elements and the ranges z_k of the pixels found along the beam,
+/// where a pixel without a return stands for a miss. The weights w and r_k sum to 1, and so do the
+/// c_s. The weight of a pixel that is unknown goes to the elements.
+struct KeyframeWeights {
   static constexpr size_t kPixels = 8, kScales = 3;
   double elements = 1;                                  ///< w
   std::array<double, kPixels> pixel{};                  ///< r_k
@@ -51,7 +51,7 @@ struct KeyframeTrust {
 /// The keyframes of a log.
 struct Keyframes {
   /// Number of keyframes that are queried for one beam, and of pixels in each of them.
-  static constexpr size_t kFrames = 2, kPixelsOfFrame = KeyframeTrust::kPixels / kFrames;
+  static constexpr size_t kFrames = 2, kPixelsOfFrame = KeyframeWeights::kPixels / kFrames;
   /// A situation is an interval of the distance to the nearest keyframe and a class of the
   /// agreement of the pixels (`agreement`). These are the upper bounds of the intervals (m); beyond
   /// the last one keyframes are not used.
@@ -66,7 +66,7 @@ struct Keyframes {
   double unit_m = 0;          ///< Step of a pixel's coordinates, m.
   double intensity_unit = 0;  ///< Intensity of a step; 0 where the log has none.
   std::vector<Keyframe> frames;
-  std::array<KeyframeTrust, kSituations> trust;
+  std::array<KeyframeWeights, kSituations> weights;
 
   size_t rows() const { return elevation.size(); }
   size_t pixels() const { return rows() * columns; }

@@ -20,9 +20,9 @@ std::vector<T> column_of(const std::vector<const std::vector<Row>*>& rows, F val
   return out;
 }
 
-Json json_of_trust(const Keyframes& k) {
+Json json_of_weights(const Keyframes& k) {
   Json list = Json::array();
-  for (const KeyframeTrust& t : k.trust) {
+  for (const KeyframeWeights& t : k.weights) {
     if (t.elements == 1) {
       list.push_back(nullptr);
       continue;
@@ -44,15 +44,15 @@ std::array<double, kCount> array_of(const io::JsonValue& j) {
   return out;
 }
 
-void read_trust(const io::JsonValue& j, Keyframes& k) {
+void read_weights(const io::JsonValue& j, Keyframes& k) {
   const std::vector<io::JsonValue> list = j.values();
-  if (list.size() != k.trust.size()) j.fail("another number of situations");
+  if (list.size() != k.weights.size()) j.fail("another number of situations");
   for (size_t s = 0; s < list.size(); ++s) {
     if (list[s].is_null()) continue;
-    k.trust[s] = {list[s].at("elements").number(),
-                  array_of<KeyframeTrust::kPixels>(list[s].at("pixels")),
-                  array_of<KeyframeTrust::kScales>(list[s].at("scales")),
-                  array_of<KeyframeTrust::kScales>(list[s].at("sigma_m"))};
+    k.weights[s] = {list[s].at("elements").number(),
+                    array_of<KeyframeWeights::kPixels>(list[s].at("pixels")),
+                    array_of<KeyframeWeights::kScales>(list[s].at("scales")),
+                    array_of<KeyframeWeights::kScales>(list[s].at("sigma_m"))};
   }
 }
 
@@ -118,7 +118,7 @@ std::string manifest_of_keyframes(const Keyframes& k) {
   return Json{{"file", kKeyframesFile},      {"elevation_rad", k.elevation},
               {"channels", k.channel},       {"columns", k.columns},
               {"unit_m", k.unit_m},          {"intensity_unit", k.intensity_unit},
-              {"frames", std::move(frames)}, {"trust", json_of_trust(k)}}
+              {"frames", std::move(frames)}, {"trust", json_of_weights(k)}}
       .dump();
 }
 
@@ -140,7 +140,7 @@ std::shared_ptr<const Keyframes> read_keyframes(const io::JsonValue& j) {
     frame.sensor_from_world = Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
     k->frames.push_back(std::move(frame));
   }
-  read_trust(j.at("trust"), *k);
+  read_weights(j.at("trust"), *k);
   read_pixels(j.at("file").path(), *k);
   return k;
 }

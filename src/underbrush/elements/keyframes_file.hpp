@@ -15,7 +15,7 @@ inline constexpr const char* kKeyframesFile = "keyframes.ply";
 
 /// Writes the pixels and the origins of the columns.
 void write_keyframes(const std::filesystem::path& folder, const Keyframes& keyframes);
-/// Returns the object of the manifest as JSON: image, poses and trust.
+/// Returns the object of the manifest as JSON: image, poses and weights.
 std::string manifest_of_keyframes(const Keyframes& keyframes);
 /// Reads keyframes by their object in a manifest. Throws `FormatError`.
 std::shared_ptr<const Keyframes> read_keyframes(const io::JsonValue& manifest);

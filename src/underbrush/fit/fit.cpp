@@ -24,12 +24,12 @@ FitResult fit(BeamSource& source, const FitOptions& given, const FitProgress& pr
   FitBeams beams(source, given);
   const FitOptions options = with_measured_noise(given, beams);
   const ChannelOffsets channels = offsets_of(beams, options);
-  CorrectedBeams corrected(beams.ends, channels);
+  CorrectedBeams corrected(beams.fitted, channels);
   FitResult out = fitter.refines ? fit_by_refinement(corrected, options, progress)
                                  : fitter.fit(corrected, options, progress);
   out.model.channels = channels;
   out.report.range_noise_m = options.range_noise_m;
-  learn_the_rest(beams, options, fitter, out);
+  learn_all_but_geometry(beams, options, fitter, out);
   return out;
 }
 

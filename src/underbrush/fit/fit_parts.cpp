@@ -80,21 +80,21 @@ void take_refined(likelihood::Refined refined, const FitOptions& options, FitRes
 }
 
 FitBeams::FitBeams(BeamSource& source, const FitOptions& options)
-    : rows(source, kKeptBytes),
-      first(rows),
-      ends(options.all_echoes ? static_cast<BeamSource&>(rows) : first),
+    : echoes(source, kKeptBytes),
+      first_echoes(echoes),
+      fitted(options.all_echoes ? static_cast<BeamSource&>(echoes) : first_echoes),
       sensor(options.sensor.empty() ? source.info().sensor : options.sensor) {}
 
 ChannelOffsets offsets_of(FitBeams& beams, const FitOptions& options) {
   if (options.ranges_as_given || beams.sensor.empty()) return {};
   calibrate::ChannelOptions channels;
   channels.min_range_m = options.min_range_m;
-  StillBeams still(beams.ends);
+  StillBeams still(beams.fitted);
   return calibrate::learn_offsets(still, channels);
 }
 
 FitOptions with_measured_noise(FitOptions options, FitBeams& beams) {
-  StillBeams still(beams.first);
+  StillBeams still(beams.first_echoes);
   const auto measured = calibrate::range_noise_of(calibrate::repeats_of(still, options.seed));
   if (measured) options.range_noise_m = std::min(options.range_noise_m, *measured);
   return options;
@@ -107,9 +107,9 @@ const Fitter& checked_fitter(const FitOptions& options) {
   return fitter_named(options.fitter);
 }
 
-void learn_the_rest(FitBeams& beams, const FitOptions& options, const Fitter& fitter,
-                    FitResult& out) {
-  CorrectedBeams corrected(beams.ends, out.model.channels);
+void learn_all_but_geometry(FitBeams& beams, const FitOptions& options, const Fitter& fitter,
+                            FitResult& out) {
+  CorrectedBeams corrected(beams.fitted, out.model.channels);
   out.model.range_noise_m = options.range_noise_m;
   out.model.sensor = beams.sensor;
   out.model.sensor_file =
@@ -126,9 +126,9 @@ void learn_the_rest(FitBeams& beams, const FitOptions& options, const Fitter& fi
                                     {options.unknown_cell_m, options.min_range_m});
   }
   if (options.learn_grain) {
-    out.report.grain = calibrate::learn_grain(out.model, beams.first, options.seed);
-    out.report.sway = calibrate::learn_sway(out.model, beams.first, options.seed);
-    out.report.echo_grain = calibrate::learn_grain_of_echoes(out.model, beams.rows, options.seed);
+    out.report.grain = calibrate::learn_grain(out.model, beams.first_echoes, options.seed);
+    out.report.sway = calibrate::learn_sway(out.model, beams.first_echoes, options.seed);
+    out.report.echo_grain = calibrate::learn_grain_of_echoes(out.model, beams.echoes, options.seed);
   }
   warn_of_footprint(options, fitter.refines ? start_of(options).name : fitter.name, out.report);
 }

@@ -13,9 +13,9 @@ namespace underbrush::fit {
 struct FitBeams {
   FitBeams(BeamSource& source, const FitOptions& options);
 
-  KeptBeams rows;
-  FirstEchoes first;
-  BeamSource& ends;  ///< The beams of `rows` with `all_echoes`, else of `first`.
+  KeptBeams echoes;
+  FirstEchoes first_echoes;
+  BeamSource& fitted;  ///< `echoes` with `all_echoes`, else `first_echoes`.
   std::string sensor;
 };
 
@@ -37,7 +37,7 @@ FitResult start_of_refinement(BeamSource& source, const FitOptions& options,
 void take_refined(likelihood::Refined refined, const FitOptions& options, FitResult& out);
 
 /// Learns all but the geometry of the model from the log. The model has its channels' offsets.
-void learn_the_rest(FitBeams& beams, const FitOptions& options, const Fitter& fitter,
-                    FitResult& out);
+void learn_all_but_geometry(FitBeams& beams, const FitOptions& options, const Fitter& fitter,
+                            FitResult& out);
 
 }  // namespace underbrush::fit

@@ -28,7 +28,7 @@ FitStart begin_fit(BeamSource& log, const FitOptions& given, const FitProgress& 
   FitBeams beams(log, given);
   const FitOptions options = with_measured_noise(given, beams);
   const ChannelOffsets channels = offsets_of(beams, options);
-  CorrectedBeams corrected(beams.ends, channels);
+  CorrectedBeams corrected(beams.fitted, channels);
   FitStart out;
   out.fitted = start_of_refinement(corrected, options, progress);
   out.fitted.model.channels = channels;
@@ -90,7 +90,7 @@ FitResult end_fit(BeamSource& log, FitStart start, likelihood::Refinement refine
   take_refined(std::move(refined), options, out);
   out.model.channels = channels;
   FitBeams beams(log, options);
-  learn_the_rest(beams, options, fitter, out);
+  learn_all_but_geometry(beams, options, fitter, out);
   return out;
 }
 

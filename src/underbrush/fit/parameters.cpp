@@ -152,13 +152,13 @@ std::span<const Parameter> parameters() {
      [](Options& o) -> auto& { return o.likelihood.maximisation.spent_at_start; },
       0, 1000}, kReference},
     {{"dropout", kLikelihood, "",
-     "Assumed probability that a return is lost, so that a single miss does not make the elements "
-     "that the beam met permeable",
+     "Assumed probability that a return is lost; the greater it is, the more misses count as lost "
+     "returns and not as passes through elements",
      [](Options& o) -> auto& { return o.likelihood.dropout; },
       kPositive, 0.9}, kHelpAll, TuningRange{0.0001, 0.1, kLog, kIfNamed}},
     {{"sharpness", kLikelihood, "",
-     "Exponent on the probabilities of the final model; above 1, draws have smaller errors, and the "
-     "likelihood is worse", [](Options& o) -> auto& { return o.likelihood.sharpness; },
+     "How certain the outcomes of the final model are: above 1, draws have smaller errors and the "
+     "likelihood is worse; 1 = as fitted", [](Options& o) -> auto& { return o.likelihood.sharpness; },
       0.1, 10}, kHelpAll, TuningRange{0.5, 5, kLog, kIfNamed}},
     {{"keyframes", kLikelihood, "m",
      "Keep scans as range images (keyframes), at most 16 within this distance; simulated beams near "

@@ -12,13 +12,13 @@ namespace {
 
 constexpr size_t kFewest = 3, kUsual = 4, kMost = 8;
 constexpr size_t kLooked = 1 << 16;  // values at the head of the file
-constexpr size_t kEnough = 200;      // values; fewer tell nothing
+constexpr size_t kEnough = 200;      // values; fewer are no evidence
 const std::vector<std::string>& usual_names() {
   static const std::vector<std::string> kNames{"x", "y", "z", "intensity", "ring", "time"};
   return kNames;
 }
 
-/// Whether a number is a coordinate, an intensity, a ring or a time, as far as its size tells.
+/// Whether a number is a coordinate, an intensity, a ring or a time, judging by its size.
 bool is_usual(double v) {
   constexpr double kLeast = 1e-20, kGreatest = 1e7;
   return std::isnan(v) || v == 0 || (std::abs(v) > kLeast && std::abs(v) < kGreatest);

@@ -119,7 +119,7 @@ Table read_array(const std::string& file, std::string_view bytes) {
   size_t row = 0;
   for (const NumpyField& f : header.fields) row += f.size;
   if (header.rows > body.size() / row) {
-    throw FormatError(file, "data", "says " + std::to_string(header.rows) + " rows: truncated");
+    throw FormatError(file, "data", "states " + std::to_string(header.rows) + " rows: truncated");
   }
   Table table;
   const size_t n = size_t(header.rows);

@@ -253,7 +253,7 @@ Table read_pcd(const std::filesystem::path& path) {
     if (packed) body = unpacked;
     if (header.points > body.size() / row) {
       throw FormatError(name, "DATA",
-                        "says " + std::to_string(header.points) + " points, the file holds " +
+                        "states " + std::to_string(header.points) + " points, the file holds " +
                             std::to_string(body.size() / row) + ": truncated");
     }
     const size_t n = size_t(header.points);

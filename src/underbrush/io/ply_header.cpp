@@ -175,8 +175,9 @@ PlyHeader read_ply_header(const InputFile& file) {
     const uint64_t row = ascii ? 2 * element.properties.size() : element.row_size();
     if (row > 0 && element.count > (left + (ascii ? 1 : 0)) / row) {
       throw FormatError(file.name(), "element " + element.name,
-                        "says " + std::to_string(element.count) + " rows, the file holds at most " +
-                            std::to_string(left / row) + ": truncated");
+                        "states " + std::to_string(element.count) +
+                            " rows, the file holds at most " + std::to_string(left / row) +
+                            ": truncated");
     }
     if (row == 0 && element.count > 0) {
       throw FormatError(file.name(), "element " + element.name, "has no properties");

@@ -65,7 +65,7 @@ double PointTimes::unit_of(const std::string& file, const std::string& name, boo
                            Span values) {
   if (const double said = unit_in_name(name); said > 0) return unit_s_ = said;
   const double usual = whole ? 1e-9 : 1;
-  for (const Unit& unit : kUnits) {  // Dates tell their unit.
+  for (const Unit& unit : kUnits) {  // The unit of dates follows from their size.
     const double date = values.low * unit.seconds, span = values.span * unit.seconds;
     const bool is_date = date > kFirstDate && date < kLastDate;
     if (is_date && (!whole || unit.seconds == usual || fits(span, false))) return unit.seconds;

@@ -150,8 +150,8 @@ PoseList read_poses(const fs::path& path) {
   }
   if (named && *named != kTum) {
     const bool first = (*named)[7] < (*named)[4];
-    out.notes.push_back(first ? "the poses' quaternions are qw qx qy qz, as their header says"
-                              : "the poses' columns are in the order that their header says");
+    out.notes.push_back(first ? "the poses' quaternions are qw qx qy qz, as in their header"
+                              : "the poses' columns are in the order of their header");
   }
   if (const std::string unit = use_dates(out.time_s); !unit.empty()) {
     out.notes.push_back("the times of the poses are taken to be " + unit);

@@ -102,7 +102,7 @@ class ScanFolder : public ScanSource {
     }
   }
 
-  // The first .bin file tells the columns of all.
+  // The first .bin file determines the columns of all.
   void keep_bin_columns(const fs::path& path, const Table& table) {
     if (!columns_.empty() || (is_gzip(path) ? path.stem() : path).extension() != ".bin") return;
     for (const auto& [name, column] : table.columns) columns_.push_back(name);

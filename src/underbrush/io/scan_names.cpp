@@ -93,7 +93,7 @@ std::string give_times(std::vector<ScanFile>& files) {
     longest = std::max(longest, times.back()->fraction.size());
     unit = times.back()->unit;
   }
-  // Fewer than three digits tell no unit.
+  // Fewer than three digits do not determine the unit.
   const double scale = longest > 6 ? 1e-9 : longest > 3 ? 1e-6 : longest == 3 ? 1e-3 : NAN;
   if (longest >= 3 && longest <= 6) unit = longest == 3 ? "s and ms" : "s and µs";
   for (size_t i = 0; i < files.size(); ++i) {

@@ -102,7 +102,7 @@ std::optional<Record> checked_record(const fs::path& folder, const Plan& plan, s
     if (!fs::exists(made))
       throw FormatError(made.string(), "", "missing, but its task is recorded");
     if (outputs && io::hash_of(made) != o.hash) {
-      throw FormatError(made.string(), "", "not what the record of its task says: it was changed");
+      throw FormatError(made.string(), "", "differs from the record of its task: it was changed");
     }
   }
   return record;

@@ -13,7 +13,7 @@ namespace {
 using elements::Keyframe;
 using elements::KeyframePixel;
 using elements::Keyframes;
-using elements::KeyframeTrust;
+using elements::KeyframeWeights;
 
 /// Pixels of a patch.
 constexpr uint64_t kPatchRows = 4, kPatchColumns = 8;
@@ -26,7 +26,7 @@ KeyframeCache::KeyframeCache(const elements::Model& model)
   grid_.emplace(*keyframes_);
   look_up_grid_.emplace(*keyframes_);
   for (size_t k = 0; k < Keyframes::kSituations; ++k) {
-    const double weight = 1 - keyframes_->trust[k].elements;
+    const double weight = 1 - keyframes_->weights[k].elements;
     const size_t bin = k / Keyframes::kAgreements, agreement = k % Keyframes::kAgreements;
     greatest_weight_[bin] = std::max(greatest_weight_[bin], weight);
     if (agreement < 2) continue;
@@ -207,7 +207,7 @@ std::vector<CachedPixels> KeyframeCache::look_up(std::span<const Query> beams) c
 std::optional<CachedReturn> KeyframeCache::drawn(const CachedPixels& r, double u,
                                                  uint64_t noise) const {
   if (r.count == 0) return {};
-  const KeyframeTrust& t = trust(r);
+  const KeyframeWeights& t = weights(r);
   for (size_t k = 0; k < r.count; ++k) {
     const double weight = t.pixel[r.rank[k]];
     if (u >= weight) {
@@ -238,7 +238,7 @@ CachedReturn KeyframeCache::return_of(const CachedPixels& r, size_t k) {
 
 void KeyframeCache::mix(const CachedPixels& r, trace::RangeMixture& p) const {
   if (r.count == 0) return;
-  const KeyframeTrust& t = trust(r);
+  const KeyframeWeights& t = weights(r);
   double cached = 0;
   for (size_t k = 0; k < r.count; ++k) cached += t.pixel[r.rank[k]];
   for (auto& c : p.components) c.weight *= 1 - cached;

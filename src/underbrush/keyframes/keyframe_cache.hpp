@@ -17,13 +17,13 @@ namespace underbrush::keyframes {
 
 /// The pixels of the nearest keyframes whose points lie on a beam.
 struct CachedPixels {
-  static constexpr size_t kMost = elements::KeyframeTrust::kPixels;
+  static constexpr size_t kMost = elements::KeyframeWeights::kPixels;
 
   size_t count = 0;
   std::array<double, kMost> range_m{};  ///< Range along the beam, m; infinite without a return.
   std::array<float, kMost> intensity{};
-  std::array<uint8_t, kMost> rank{};  ///< The pixel's place in `KeyframeTrust::pixel`.
-  size_t situation = 0;               ///< Index in `Keyframes::trust`.
+  std::array<uint8_t, kMost> rank{};  ///< The pixel's place in `KeyframeWeights::pixel`.
+  size_t situation = 0;               ///< Index in `Keyframes::weights`.
 };
 
 /// The return of one pixel for a beam; a miss has an infinite range.
@@ -64,7 +64,9 @@ class KeyframeCache {
   struct Query {
     Ray ray;  ///< World.
     Near near{};
-    double u = 0;  ///< Unless 0, nothing is found where `drawn` would give nothing for this number.
+    /// The random number of `drawn`, so that the look-up ends early where it selects no pixel; 0 =
+    /// never early.
+    double u = 0;
   };
   /// Makes queries of beams of some channels, with the keyframes nearest to their origins, or with
   /// none where the keyframes do not have the channel.
@@ -72,10 +74,10 @@ class KeyframeCache {
   /// Finds the pixels of each query. The result of a query does not depend on the other queries.
   std::vector<CachedPixels> look_up(std::span<const Query> beams) const;
 
-  const elements::KeyframeTrust& trust(const CachedPixels& r) const {
-    return keyframes_->trust[r.situation];
+  const elements::KeyframeWeights& weights(const CachedPixels& r) const {
+    return keyframes_->weights[r.situation];
   }
-  /// Draws from the mixture of `KeyframeTrust`. The result is empty if the return comes from the
+  /// Draws from the mixture of `KeyframeWeights`. The result is empty if the return comes from the
   /// elements. `u`, even in [0, 1), selects the pixel, and `noise` is the key of the error of its
   /// range.
   std::optional<CachedReturn> drawn(const CachedPixels& r, double u, uint64_t noise) const;

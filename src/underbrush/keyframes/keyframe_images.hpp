@@ -9,7 +9,7 @@
 
 namespace underbrush::keyframes {
 
-/// Keyframes without trust yet, and the number of the keyframe of each scan of the log.
+/// Keyframes without weights yet, and the number of the keyframe of each scan of the log.
 struct KeyframeImages {
   elements::Keyframes keyframes;
   std::map<uint32_t, uint32_t> frame_of_scan;

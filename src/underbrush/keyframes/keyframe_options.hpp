@@ -16,11 +16,11 @@ struct KeyframeOptions {
   /// The most memory of the keyframes, bytes. Until they fit, fewer may lie nearer, at least 2, and
   /// then the spacing grows.
   size_t most_bytes = size_t(1) << 28;
-  /// Beams that the trust is learnt from, in each half of the columns if the log has one scan.
+  /// Beams that the weights are learnt from, in each half of the columns if the log has one scan.
   size_t samples = 60'000;
-  /// The beams from which the elements were not learnt. The trust is learnt from these beams alone
-  /// if they are at least a quarter of `samples`, because the elements fit their training beams too
-  /// well.
+  /// The beams from which the elements were not learnt. The weights are learnt from these beams
+  /// alone if they are at least a quarter of `samples`, because the elements fit their training
+  /// beams too well.
   credit::HeldOut held_out{0};
 };
 

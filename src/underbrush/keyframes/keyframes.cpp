@@ -9,7 +9,7 @@
 #include "underbrush/keyframes/changed_pixels.hpp"
 #include "underbrush/keyframes/keyframe_cache.hpp"
 #include "underbrush/keyframes/keyframe_images.hpp"
-#include "underbrush/keyframes/keyframe_trust.hpp"
+#include "underbrush/keyframes/keyframe_weights.hpp"
 #include "underbrush/trace/world.hpp"
 
 namespace underbrush::keyframes {
@@ -37,7 +37,7 @@ class Sampler {
         one_in_(1 + beams / std::max(1u, held_out_.one_in) / std::max<size_t>(options.samples, 1)) {
   }
 
-  void add(const BeamLog& chunk, std::vector<TrustSample>& samples) {
+  void add(const BeamLog& chunk, std::vector<WeightSample>& samples) {
     std::vector<Row> rows;
     for (size_t i = 0; i < chunk.size(); ++i) {
       const uint64_t bits = mix64(++row_);
@@ -46,7 +46,7 @@ class Sampler {
       rows.push_back({uint32_t(i), kLeastDistances[(bits >> 32) % std::size(kLeastDistances)]});
     }
     constexpr size_t kPiece = 1024;
-    std::vector<std::vector<TrustSample>> found((rows.size() + kPiece - 1) / kPiece);
+    std::vector<std::vector<WeightSample>> found((rows.size() + kPiece - 1) / kPiece);
     parallel_for(rows.size(), kPiece, [&](size_t begin, size_t end) {
       found[begin / kPiece] = look_up(chunk, {rows.data() + begin, end - begin});
     });
@@ -66,8 +66,8 @@ class Sampler {
     double least_m;
   };
 
-  std::vector<TrustSample> look_up(const BeamLog& chunk, std::span<const Row> rows) const {
-    std::vector<TrustSample> out;
+  std::vector<WeightSample> look_up(const BeamLog& chunk, std::span<const Row> rows) const {
+    std::vector<WeightSample> out;
     std::vector<Ray> rays;
     std::vector<double> range_m;
     std::vector<Vec3> origins;
@@ -149,11 +149,11 @@ class AlternateColumns : public BeamSource {
 };
 
 /// Beams of a log, looked up in the keyframes of a model.
-std::vector<TrustSample> samples_of(const elements::Model& model,
-                                    const std::map<uint32_t, uint32_t>& frame_of_scan,
-                                    BeamSource& log, const KeyframeOptions& options) {
+std::vector<WeightSample> samples_of(const elements::Model& model,
+                                     const std::map<uint32_t, uint32_t>& frame_of_scan,
+                                     BeamSource& log, const KeyframeOptions& options) {
   Sampler sampler(model, frame_of_scan, log.info(), log.size(), options);
-  std::vector<TrustSample> samples;
+  std::vector<WeightSample> samples;
   log.rewind();
   for (BeamLog chunk; log.next(chunk);) sampler.add(chunk, samples);
   return samples;
@@ -161,15 +161,15 @@ std::vector<TrustSample> samples_of(const elements::Model& model,
 
 /// Samples from a log of one scan: the beams of each half of its columns, which are looked up in an
 /// image of the other half.
-std::vector<TrustSample> samples_between_columns(elements::Model& model, BeamSource& log,
-                                                 const KeyframeOptions& options) {
+std::vector<WeightSample> samples_between_columns(elements::Model& model, BeamSource& log,
+                                                  const KeyframeOptions& options) {
   const std::shared_ptr<const Keyframes> whole = model.keyframes;
-  std::vector<TrustSample> samples;
+  std::vector<WeightSample> samples;
   for (const size_t first : {0, 1}) {
     AlternateColumns shown(log, *whole, first), between(log, *whole, 1 - first);
     KeyframeImages half = make_half_images(shown, *whole, model.origin, options);
     model.keyframes = std::make_shared<Keyframes>(std::move(half.keyframes));
-    const std::vector<TrustSample> more = samples_of(model, half.frame_of_scan, between, options);
+    const std::vector<WeightSample> more = samples_of(model, half.frame_of_scan, between, options);
     samples.insert(samples.end(), more.begin(), more.end());
   }
   model.keyframes = whole;
@@ -181,8 +181,8 @@ std::vector<TrustSample> samples_between_columns(elements::Model& model, BeamSou
 /// slower: chosen within the training halves of two single scans, where 0.55 to 0.65 is best.
 constexpr double kOfHalfTheAngle = 0.6;
 
-/// The trust in pixels of one keyframe that are twice as near as those it was learnt from.
-void bring_nearer(elements::KeyframeTrust& t) {
+/// The weights of pixels of one keyframe that are twice as near as those it was learnt from.
+void bring_nearer(elements::KeyframeWeights& t) {
   const auto other = t.pixel.begin() + Keyframes::kPixelsOfFrame;
   const double seen = std::accumulate(t.pixel.begin(), other, 0.0);
   if (!(seen > 0)) return;
@@ -202,14 +202,14 @@ void learn_keyframes(elements::Model& model, BeamSource& log, const KeyframeOpti
   const auto keyframes = std::make_shared<Keyframes>(std::move(images.keyframes));
   model.keyframes = keyframes;
   if (images.frame_of_scan.size() > 1) {
-    keyframes->trust = most_likely_trust(samples_of(model, images.frame_of_scan, log, options));
+    keyframes->weights = most_likely_weights(samples_of(model, images.frame_of_scan, log, options));
   } else {
-    keyframes->trust = most_likely_trust(samples_between_columns(model, log, options));
-    for (elements::KeyframeTrust& t : keyframes->trust) bring_nearer(t);
+    keyframes->weights = most_likely_weights(samples_between_columns(model, log, options));
+    for (elements::KeyframeWeights& t : keyframes->weights) bring_nearer(t);
   }
   keyframes->check();
-  const auto is_trusted = [](const elements::KeyframeTrust& t) { return t.elements < 1; };
-  if (std::ranges::none_of(keyframes->trust, is_trusted)) model.keyframes.reset();
+  const auto has_weight = [](const elements::KeyframeWeights& t) { return t.elements < 1; };
+  if (std::ranges::none_of(keyframes->weights, has_weight)) model.keyframes.reset();
 }
 
 KeyframeChanges update_keyframes(elements::Model& model, BeamSource& log,
@@ -228,8 +228,8 @@ KeyframeChanges update_keyframes(elements::Model& model, BeamSource& log,
   out.kept = images.keyframes.frames.size() - out.added;
   const auto keyframes = std::make_shared<Keyframes>(std::move(images.keyframes));
   model.keyframes = keyframes;
-  keyframes->trust =
-      most_likely_trust(samples_of(model, images.frame_of_scan, log, options), &keyframes->trust);
+  keyframes->weights = most_likely_weights(samples_of(model, images.frame_of_scan, log, options),
+                                           &keyframes->weights);
   keyframes->check();
   return out;
 }

@@ -1,5 +1,5 @@
 /// \file
-/// Keyframes of a log: some of its scans, kept as range images, and the trust in them.
+/// Keyframes of a log: some of its scans, kept as range images, and their weights.
 #pragma once
 #include "underbrush/core/beam_log.hpp"
 #include "underbrush/elements/model.hpp"
@@ -9,16 +9,17 @@ namespace underbrush {
 /// Keyframes: images of a few scans that a model keeps, which answer beams fired near them.
 namespace keyframes {
 
-/// Keeps keyframes of a log in its model. The trust in each situation (`elements::KeyframeTrust`)
-/// is learnt by expectation and maximisation from beams of the log: each beam is looked up in
-/// keyframes other than its own scan, at several distances, and the weights maximise the likelihood
-/// of its outcome under the mixture with the model's elements. If too few beams were looked up at a
-/// distance, the trust is that of the next farther distance. Beyond the farthest distance that was
-/// sampled, keyframes have no weight, and a log from which no trust can be learnt gives no
-/// keyframes. If the log has only one scan, the beams of each half of its columns are looked up in
-/// an image of the other half, between whose columns they lie. The weight of the elements is then
-/// lowered, because the columns of the whole image are twice as near. The log is read three times,
-/// eight times if it has one scan. The result has the same bits for any number of threads.
+/// Keeps keyframes of a log in its model. The weights in each situation
+/// (`elements::KeyframeWeights`) is learnt by expectation and maximisation from beams of the log:
+/// each beam is looked up in keyframes other than its own scan, at several distances, and the
+/// weights maximise the likelihood of its outcome under the mixture with the model's elements. If
+/// too few beams were looked up at a distance, the weights are those of the next farther distance.
+/// Beyond the farthest distance that was sampled, keyframes have no weight, and a log from which no
+/// weights can be learnt gives no keyframes. If the log has only one scan, the beams of each half
+/// of its columns are looked up in an image of the other half, between whose columns they lie. The
+/// weight of the elements is then lowered, because the columns of the whole image are twice as
+/// near. The log is read three times, eight times if it has one scan. The result has the same bits
+/// for any number of threads.
 void learn_keyframes(elements::Model& model, BeamSource& log, const KeyframeOptions& options);
 
 /// The changes of the keyframes of a model by an update.

@@ -14,7 +14,7 @@ using elements::KeyframePixel;
 
 constexpr size_t kPixels = 9;
 static_assert(PixelLookUp::kBeams == kLanes);
-constexpr float kFarM = 100;  // where a pixel without a return is looked for
+constexpr float kFarM = 100;  // range at which the pixel of a miss is assumed
 constexpr int kSteps = 6;
 constexpr float kSlotsARow = 8;  // slots of the table of rows, for each row
 
@@ -76,8 +76,8 @@ struct EndPoints {
 };
 
 /// The nine pixels about the direction of a point. The order of one is the squared angle (below 2²)
-/// at which it is seen, as bits of a float, whose order is that of the numbers; the last four bits
-/// are its place in the window. A pixel that is taken or unknown comes last.
+/// between it and the point, as bits of a float, whose order is that of the numbers; the last four
+/// bits are its place in the window. A pixel that is taken or unknown comes last.
 struct Window {
   static constexpr int32_t kPlace = 15, kTaken = 0x7fffffff;
   I column;
@@ -138,10 +138,10 @@ UNDERBRUSH_INLINE Places places_of(const View& v, const Vectors& point, I column
   return out;
 }
 
-/// Finds the pixels about the directions of points. The beams of `column` nearly have the origins
-/// of those that are found. A return is seen where its end point is, a miss in the middle of its
-/// pixel.
-UNDERBRUSH_INLINE void look(const View& v, F t, I column, Window& out) {
+/// Finds the pixels about the directions of points, as seen from the origin of `column`, which is
+/// near the origins of the pixels that are found. The direction of a pixel is that of its end
+/// point, or that of its middle if it has no return.
+UNDERBRUSH_INLINE void pixels_about(const View& v, F t, I column, Window& out) {
   const LookUpGrid& g = v.grid;
   const Vectors point = v.point(t);
   const Places place = places_of(v, point, column);
@@ -182,8 +182,8 @@ UNDERBRUSH_INLINE void look(const View& v, F t, I column, Window& out) {
     const F hit = (a * a + b * b + c * c) / greater(norm2, all(1e-12f));
     const F angle2 = pick(end.x == KeyframePixel::kNoReturn, high2[k / 3] + wide2[k % 3], hit);
     const I order = ((I)angle2 & ~Window::kPlace) | k;
-    const I is_seen = is_there[k / 3] & (end.x != KeyframePixel::kUnknown);
-    out.order[k] = pick(is_seen, order, I{} + Window::kTaken);
+    const I is_known = is_there[k / 3] & (end.x != KeyframePixel::kUnknown);
+    out.order[k] = pick(is_known, order, I{} + Window::kTaken);
     out.pixel[k] = pixel;
   }
 }
@@ -214,9 +214,9 @@ UNDERBRUSH_CLONES void look_up_pixels(const LookUpGrid& grid, const LookUpFrame&
                                       PixelLookUp& beams) {
   const View view{grid, frame, vectors_of(beams.from), vectors_of(beams.direction)};
   F t = all(kFarM);
-  Window seen, window;
-  look(view, t, to_int(places_of(view, view.point(t), I{}).column), seen);
-  I pixel = take_nearest(seen), is_moving = pixel >= 0;
+  Window found, window;
+  pixels_about(view, t, to_int(places_of(view, view.point(t), I{}).column), found);
+  I pixel = take_nearest(found), is_moving = pixel >= 0;
   for (int step = 0; step < kSteps; ++step) {
     const F next_t = ranges_of(view, pixel);
     is_moving &= next_t != t;
@@ -224,20 +224,20 @@ UNDERBRUSH_CLONES void look_up_pixels(const LookUpGrid& grid, const LookUpFrame&
     for (size_t l = 0; l < kLanes; ++l) any |= is_moving[l];
     if (any == 0) break;
     t = pick(is_moving, next_t, t);
-    look(view, t, seen.column, window);
+    pixels_about(view, t, found.column, window);
     const I next = take_nearest(window);
     for (size_t k = 0; k < kPixels; ++k) {
-      seen.order[k] = pick(is_moving, window.order[k], seen.order[k]);
-      seen.pixel[k] = pick(is_moving, window.pixel[k], seen.pixel[k]);
+      found.order[k] = pick(is_moving, window.order[k], found.order[k]);
+      found.pixel[k] = pick(is_moving, window.pixel[k], found.pixel[k]);
     }
-    seen.column = pick(is_moving, window.column, seen.column);
+    found.column = pick(is_moving, window.column, found.column);
     const I is_other = (next != pixel) & (next >= 0);
     pixel = pick(is_moving, next, pixel);
     is_moving &= is_other;
   }
   for (auto& rank : beams.pixel) {
     __builtin_memcpy(rank.data(), &pixel, sizeof pixel);
-    pixel = take_nearest(seen);
+    pixel = take_nearest(found);
   }
 }
 

@@ -81,8 +81,8 @@ struct RefinementLimits {
   /// Whether each element may change; empty if all may. Beams meet the others, too, but these stay
   /// as they are.
   std::vector<bool> moving;
-  /// m²; a covariance for each ellipsoid that its own, less the sphere of the least extent, is not
-  /// below in any direction (`cluster::open_covariances`); empty if there are none.
+  /// m²; the least covariance of each ellipsoid (`cluster::open_covariances`), or empty. In each
+  /// direction, the ellipsoid's variance less that of the least extent is at least this.
   std::vector<Eigen::Matrix3f> open;
 };
 

@@ -8,10 +8,11 @@ namespace underbrush::metrics {
 namespace {
 
 // Computes E|x + Z| − x = 2 (φ(x) − x Φ(−x)) for x ≥ 0 and a standard normal Z. It interpolates
-// values and slopes of a table by a cubic, with an error of 1e−11; beyond the table the value is
-// below 1e−15.
+// values and slopes of a table by a cubic, with an error of 1e−11; beyond the table, which ends at
+// kEnd, the value is below 1e−15.
+constexpr size_t kEnd = 8;
 double excess(double x) {
-  constexpr size_t kPerUnit = 128, kEnd = 8;
+  constexpr size_t kPerUnit = 128;
   struct Table {
     double value[kEnd * kPerUnit + 1], slope[kEnd * kPerUnit + 1];
     Table() {
@@ -34,7 +35,7 @@ double excess(double x) {
 // Computes E|X| of X ~ N(mean, variance).
 double mean_absolute(double mean, double variance) {
   const double size = std::abs(mean);
-  if (!(variance > 0)) return size;
+  if (!(variance > 0) || mean * mean >= kEnd * kEnd * variance) return size;
   const double sigma = std::sqrt(variance);
   return size + sigma * excess(size / sigma);
 }

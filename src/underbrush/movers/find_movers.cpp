@@ -63,7 +63,7 @@ class ScanReader {
   uint32_t row_ = 0;
 };
 
-/// The scans in a window of time, and the one in it that is asked about.
+/// The scans in a window of time, and the one among them that is compared with the others.
 class Window {
  public:
   Window(BeamSource& source, const MoverOptions& options)
@@ -85,7 +85,7 @@ class Window {
   }
   const Scan& now() const { return *scans_[now_]; }
 
-  /// The images to look at on one side in time, the farthest first, each once.
+  /// The images of the scans to compare with on one side in time, the farthest first, each once.
   std::vector<const ScanImage*> side(int direction) const {
     std::vector<const ScanImage*> out;
     size_t last = now_;
@@ -125,19 +125,19 @@ class Window {
   bool started_ = false, is_over_ = false;
 };
 
-/// The looks of one side, from the outermost on.
+/// The result of the comparison with the scans of one side, from the outermost on.
 struct Side {
-  uint32_t empty = 0;  ///< Empty ones before the first with matter.
+  uint32_t empty = 0;  ///< Scans in which the place is empty, before the first with matter.
   bool has_matter = false;
 };
 
-Side look_from(const std::vector<const ScanImage*>& images, const Vec3& point, double same_m,
-               uint32_t enough) {
+Side compare_with(const std::vector<const ScanImage*>& images, const Vec3& point, double same_m,
+                  uint32_t enough) {
   Side side;
   for (const ScanImage* image : images) {
-    const Look look = image->look(point, same_m, 2 * same_m);
-    side.has_matter = look == Look::kMatter;
-    side.empty += look == Look::kEmpty;
+    const PlaceState state = image->state_of(point, same_m, 2 * same_m);
+    side.has_matter = state == PlaceState::kMatter;
+    side.empty += state == PlaceState::kEmpty;
     if (side.has_matter || side.empty == enough) break;
   }
   return side;
@@ -155,7 +155,7 @@ std::vector<Evidence> evidence_of(const Window& window, const MoverOptions& opti
       bool has_matter = false;
       uint32_t empty = 0;
       for (const auto& images : sides) {
-        const Side side = look_from(images, point, same, options.least_empty);
+        const Side side = compare_with(images, point, same, options.least_empty);
         empty = std::max(empty, side.empty);
         has_matter |= side.has_matter;
       }
@@ -173,10 +173,10 @@ std::vector<Evidence> evidence_of(const Window& window, const MoverOptions& opti
 
 void MoverOptions::check() const {
   require(!look_s.empty() && look_s.front() > 0 && std::is_sorted(look_s.begin(), look_s.end()),
-          "movers: the times of looks must be positive and ascend");
+          "movers: the times of compared scans must be positive and ascend");
   require(cell_deg >= 0.05 && cell_deg <= 10, "movers: cells of 0.05 to 10 degrees are needed");
   require(least_empty > 0 && max_range_m > 0 && same_m > 0 && same_per_m >= 0,
-          "movers: looks, range or tolerance are not positive");
+          "movers: the number of empty scans, the range or the tolerance is not positive");
   require(least_solid >= 0 && least_solid <= 1 && least_share >= 0 && least_share <= 1,
           "movers: a share is not from 0 to 1");
 }

@@ -15,11 +15,11 @@ namespace underbrush::movers {
 /// Returns for each row of a log whether it is a return of something that moved.
 ///
 /// A return is compared with scans before and after its own. In each of them its place held matter,
-/// was empty, or was not visible (`Look`). If the place was empty in the outermost scans before or
-/// after, the matter there has come or gone. Single leaves appear so by chance. Candidates
-/// therefore count only as a group that is solid in its own scan, has at least `least_points`
-/// returns, and has few returns among them whose places were never empty. Returns beside a group
-/// join it if their places were visible in no other scan.
+/// was empty, or was not visible (`PlaceState`). If the place was empty in the outermost scans
+/// before or after, the matter there has come or gone. Single leaves appear so by chance.
+/// Candidates therefore count only as a group that is solid in its own scan, has at least
+/// `least_points` returns, and has few returns among them whose places were never empty. Returns
+/// beside a group join it if their places were visible in no other scan.
 ///
 /// The log must have several scans, with poses that agree within `same_m`. An object that stands
 /// still in all scans is not found. The function reads the source once, from the beginning, and

@@ -11,7 +11,7 @@ namespace underbrush::movers {
 /// The result of the comparison of a return with other scans.
 enum class Verdict : uint8_t {
   kNone,   ///< No evidence, or too little.
-  kStays,  ///< Matter was there at the outermost look of a side, and no side began empty.
+  kStays,  ///< Matter was there in the outermost scan of a side, and no side began empty.
   kCandidate
 };
 

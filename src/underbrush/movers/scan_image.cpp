@@ -93,7 +93,7 @@ const ScanImage::Span* ScanImage::filled(int32_t row, int32_t column, int32_t di
   return nullptr;
 }
 
-Look ScanImage::look(const Vec3& point, double same_m, double behind_m) const {
+PlaceState ScanImage::state_of(const Vec3& point, double same_m, double behind_m) const {
   const Place at = place(point);
   const double range = double(at.range_m);
   const auto is_matter = [&](const Span& s) {
@@ -102,7 +102,7 @@ Look ScanImage::look(const Vec3& point, double same_m, double behind_m) const {
   for (int32_t row = std::max(0, at.row - 1); row <= std::min(rows_ - 1, at.row + 1); ++row) {
     for (int32_t step = -1; step <= 1; ++step) {
       if (is_matter(span(row, (at.column + step + columns_) % columns_))) {
-        return Look::kMatter;
+        return PlaceState::kMatter;
       }
     }
   }
@@ -110,11 +110,11 @@ Look ScanImage::look(const Vec3& point, double same_m, double behind_m) const {
   const Span& own = span(at.row, at.column);
   const Span* below = filled(at.row - 1, at.column, -1);
   const Span* above = filled(at.row + 1, at.column, 1);
-  if (!below) return Look::kUnknown;
+  if (!below) return PlaceState::kUnknown;
   const auto is_behind = [&](const Span& s) { return double(s.least) > range + behind_m; };
   if (is_behind(*below)) {
     const bool is_seen = own.is_empty() ? above && is_behind(*above) : is_behind(own);
-    return is_seen ? Look::kEmpty : Look::kUnknown;
+    return is_seen ? PlaceState::kEmpty : PlaceState::kUnknown;
   }
   // A beam below ended before the point and one above behind it: on ground that goes on between
   // them, all are of one height.
@@ -122,7 +122,7 @@ Look ScanImage::look(const Vec3& point, double same_m, double behind_m) const {
   const auto is_level = [&](const Span& s) {
     return !s.is_empty() && std::abs(double(s.height_m) - point.z()) <= same_m;
   };
-  return is_level(*below) && is_level(beyond) ? Look::kMatter : Look::kUnknown;
+  return is_level(*below) && is_level(beyond) ? PlaceState::kMatter : PlaceState::kUnknown;
 }
 
 double ScanImage::solid_share(const Place& at, double same_m) const {

@@ -12,7 +12,7 @@ namespace underbrush {
 namespace movers {
 
 /// The state of a point in space according to one scan.
-enum class Look : uint8_t {
+enum class PlaceState : uint8_t {
   kUnknown,  ///< No beam went there, or something nearer hid it.
   kMatter,   ///< A beam ended there.
   kEmpty     ///< The beams that went there passed it by and ended behind it.
@@ -39,7 +39,7 @@ class ScanImage {
   /// returns, the nearest cells below and above, up to 2.2° away, take its place. A point on ground
   /// that beams graze is matter, too: there some beams end before the point and some behind it, all
   /// at its height.
-  Look look(const Vec3& point, double same_m, double behind_m) const;
+  PlaceState state_of(const Vec3& point, double same_m, double behind_m) const;
 
   /// The cell of a point and its range.
   struct Place {

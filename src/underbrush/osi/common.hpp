@@ -61,7 +61,8 @@ struct BaseMoving {
 
 /// The numbers of `MovingObject.Type`.
 enum class ObjectType : uint32_t { kUnknown, kOther, kVehicle, kPedestrian, kAnimal };
-/// The numbers of `MovingObject.VehicleClassification.Type` that the program writes or tells apart.
+/// The numbers of `MovingObject.VehicleClassification.Type` that the program writes or
+/// distinguishes.
 enum class VehicleType : uint32_t {
   kUnknown = 0,
   kOther = 1,

@@ -98,7 +98,7 @@ const FrontEnd::Rays& FrontEnd::rays_of(const LidarSensorView& l, size_t lidar) 
     return rays;
   } else {
     require_data(profile_ != nullptr,
-                 "front_end: neither the view nor a sensor tells the directions of the rays");
+                 "front_end: the directions of the rays are in neither the view nor a sensor file");
     next = std::make_shared<LidarConfiguration>(profile_->configuration);
     if (given) next->mounting = given->mounting;
     if (given) next->sensor_id = given->sensor_id;

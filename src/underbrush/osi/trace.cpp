@@ -73,8 +73,8 @@ TraceReader::TraceReader(const fs::path& path) : file_(path) {
   const auto named = type_of_name(path), found = type_of_message(first);
   if (!named && !found) {
     throw FormatError(file_.name(), "message 1",
-                      "neither the name nor the message tells what it is: SensorView, SensorData "
-                      "or GroundTruth");
+                      "the kind of message is in neither the name nor the content: SensorView, "
+                      "SensorData or GroundTruth");
   }
   type_ = named ? *named : *found;
 }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kNoHeight = std::numeric_limits<float>::infinity();
 constexpr size_t kNoCell = SIZE_MAX;
-constexpr size_t kBlock = 4;  // Cells along the side of a block, of which 3 x 3 tell what a pit is.
+constexpr size_t kBlock = 4;  // Cells along the side of a block, of which 3 x 3 define a pit.
 
 }  // namespace
 

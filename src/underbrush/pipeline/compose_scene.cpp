@@ -66,8 +66,8 @@ std::span<const Option<ComposeOptions>> compose_options() {
   static const Option<O> kOptions[] = {
     {"choose", "", "",
      "How the primitive of an object is chosen in its class: box = the nearest box; best = the "
-     "best fit to the object's points and beams, adapted to them, and no plant twice within 20 m "
-     "if others fit; random = any",
+     "best fit to the object's points and beams; it is adapted to them, and no plant is repeated "
+     "within 20 m if others fit; random = a random one",
      [](O& o) -> auto& { return o.choose; }, -kNoLimit, kNoLimit, {"box", "best", "random"}},
     {"nearest", "", "", "Choose each primitive at random among the N best ones",
      [](O& o) -> auto& { return o.nearest; }, 1, kNoLimit},

@@ -35,8 +35,8 @@ std::span<const Option<ExtractOptions>> extract_options() {
      "(the code of the authors of [tallavajhula18] has 0.05)",
      [](O& o) -> auto& { return o.cut.measure.quantile; }, 0, 0.49},
     {"elements", "More options", "",
-     "Which elements belong to an object: box = all whose centres lie in its box; own = those of "
-     "them that also lie among its points",
+     "Which elements belong to an object: box = all whose centres lie in its box; own = elements "
+     "in the box that also lie among the object's points",
      [](O& o) -> auto& { return o.elements; }, -kNoLimit, kNoLimit, {"own", "box"}},
     {"free-space-below", "More options", "",
      "Leave out ellipsoids that stopped less than this share of the beams that met them",

@@ -72,7 +72,7 @@ Json json_of(const elements::Keyframes& k) {
   // four to eight pixels of a beam agree best, and where they do not.
   for (size_t d = 0; d < elements::Keyframes::kDistances.size(); ++d) {
     const auto weight = [&](size_t agreement) {
-      return 1 - k.trust[d * elements::Keyframes::kAgreements + agreement].elements;
+      return 1 - k.weights[d * elements::Keyframes::kAgreements + agreement].elements;
     };
     j["trust"].push_back({{"up_to_m", elements::Keyframes::kDistances[d]},
                           {"where_ranges_agree", weight(3)},

@@ -8,7 +8,7 @@
 
 namespace underbrush::pipeline {
 
-/// Returns the number of different times of a scan's points where it is too small to tell the
+/// Returns the number of different times of a scan's points where it is too small for the
 /// motion within the scan: at most 8 for 100 points and more, as those of zeros and of dates in
 /// 32-bit floats. 0 otherwise.
 size_t coarse_times(const PointScan& scan);

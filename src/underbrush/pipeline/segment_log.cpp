@@ -57,8 +57,8 @@ std::span<const Option<SegmentOptions>> segment_options() {
     {"ground-method", "", "", "Method of ground segmentation",
      [](O& o) -> auto& { return o.search.ground.method; }, -kNoLimit, kNoLimit,
      {"lower_envelope", "spherical_variance"}},
-    {"min-range", "", "",
-     "Ignore hits nearer than this, m, such as those on the own vehicle",
+    {"min-range", "", "m",
+     "Leave out returns nearer than this; they may be on the own vehicle",
      [](O& o) -> auto& { return o.search.min_range_m; }, 0, 1000},
 
     {"tile", "Objects", "m", "Side of a tile of the ground segmentation",

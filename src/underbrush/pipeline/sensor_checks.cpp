@@ -138,7 +138,7 @@ void check_channels_of(const std::string& source, const std::string& option, con
                        const sensor::Sensor& sensor, double fault_rad) {
   constexpr size_t kFewest = 3;
   constexpr double kShare = 0.2, kShift = 0.5 * M_PI / 180;
-  if (!scan.ring.empty() && sensor::rings_are_told(scan, sensor.channels.size()) &&
+  if (!scan.ring.empty() && sensor::rings_are_numbered(scan, sensor.channels.size()) &&
       sensor::rings_are_channels(scan.ring, scan.point, sensor, fault_rad)) {
     return;
   }

@@ -33,20 +33,19 @@ std::span<const Option<SimulateOptions>> simulate_options() {
      [](O& o) -> auto& { return o.instrument.returns; }, -kNoLimit, kNoLimit, {}, "MODE|N"},
 
     {"matter", "Matter", "",
-     "How leaves and stones are drawn at random: once = neighbouring beams and later scans meet "
-     "the same ones, and leaves sway if those of the model do; still = the same, but no leaf "
-     "sways; anew = each beam meets leaves and stones of its own",
+     "How leaves and stones are drawn at random: once = one draw for the whole simulation, so that "
+     "neighbouring beams and later scans meet the same leaves, which sway if fit found that they "
+     "do; still = the same without sway; anew = a new draw for each beam",
      [](O& o) -> auto& { return o.matter; }, -kNoLimit, kNoLimit, {"once", "still", "anew"}},
     {"grain", "Matter", "m",
-     "Side of the cells in which matter that is drawn once is all there or absent; 0 = as in the "
-     "model",
+     "Side of the cells within which matter is drawn as one; 0 = as in the model",
      [](O& o) -> auto& { return o.grain_m; }, 0, 100},
     {"tau", "Matter", "",
      "Mahalanobis distance within which a beam meets an ellipsoid; 0 = as in the model",
      [](O& o) -> auto& { return o.tau; }, 0, 20},
     {"wind", "Matter", "s",
-     "Correlation time of leaves that sway; 0 = the time that fit learnt, and leaves stand still "
-     "if the log did not show that they move",
+     "Correlation time of swaying leaves; 0 = the time that fit learnt, or no sway if it learnt "
+     "none",
      [](O& o) -> auto& { return o.sway_s; }, 0, 3600},
     {"support", "Matter", "",
      "Add a column with the probability that a beam does not end in unknown space",

@@ -81,7 +81,7 @@ UNDERBRUSH_CLONES uint64_t reached_apart(size_t n, const Placed& p, uint32_t tap
 
 /// Finds the blocks that returns reach, for waveforms with at most a word of blocks.
 uint64_t reached(size_t n, const Placed& p, uint32_t taps) {
-  // A few returns far from each other tell that there may be gaps without a look at all of them.
+  // A few returns far from each other show that there may be gaps, so that not all are compared.
   const auto [low, high] =
       std::minmax({p.place[0], p.place[n / 3], p.place[2 * n / 3], p.place[n - 1]});
   if (first_block(high) > last_block(low, taps) + 1) return reached_apart(n, p, taps);

@@ -49,7 +49,7 @@ Region region_of(const io::JsonValue& j) {
   return r;
 }
 
-/// Fails where a whole world would have more elements or instances than rays can tell apart.
+/// Fails where a whole world would have more elements or instances than rays can distinguish.
 void check_counts(const Index& index, const io::JsonValue& regions) {
   constexpr uint64_t kMostElements = 1 << 29;
   uint64_t elements = 0, instances = index.common_instances.size();
@@ -60,7 +60,8 @@ void check_counts(const Index& index, const io::JsonValue& regions) {
   if (elements + 1 >= kMostElements) regions.fail("more than 2^29 elements");
   if (instances >= UINT32_MAX) regions.fail("more than 2^32 instances");
   for (const uint32_t number : index.common_instances) {
-    if (number >= instances) regions.fail("fewer instances than a common one's number says");
+    if (number >= instances)
+      regions.fail("fewer instances than the number of a common one requires");
   }
 }
 

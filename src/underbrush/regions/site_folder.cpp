@@ -137,7 +137,7 @@ SiteFolder read_site(const fs::path& path) {
     j.at("columns").fail("the part of the last column and row is missing");
   }
   for (const Cell2& beyond : {Cell2{columns, 0}, Cell2{0, int32_t(south_m.size())}}) {
-    if (fs::exists(annotation(beyond))) j.at("columns").fail("there are more parts than it says");
+    if (fs::exists(annotation(beyond))) j.at("columns").fail("there are more parts than it states");
   }
   for (int32_t y = 0; y < int32_t(south_m.size()); ++y) {
     for (int32_t x = 0; x < columns; ++x) {

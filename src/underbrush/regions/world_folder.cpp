@@ -179,7 +179,7 @@ WorldPart WorldFolder::part(std::span<const uint32_t> regions) const {
     const Region& region = index_.regions.at(k);
     const fs::path folder = path_ / folder_of(region.square);
     if (!checked_[k] && io::hash_of(folder) != region.hash) {
-      throw FormatError(folder.string(), "", "not what the index says: its hash differs");
+      throw FormatError(folder.string(), "", "its hash differs from that in the index");
     }
     checked_[k] = true;
     assembly.add(folder, region);

@@ -70,7 +70,7 @@ std::vector<uint16_t> numbered(const Job& job, const std::vector<uint16_t>& ring
 
 std::vector<uint16_t> rings_of(const Job& job) {
   if (!job.sensor && !job.scan.ring.empty()) return job.scan.ring;
-  if (!job.scan.ring.empty() && rings_are_told(job.scan, job.sensor->channels.size())) {
+  if (!job.scan.ring.empty() && rings_are_numbered(job.scan, job.sensor->channels.size())) {
     return numbered(job, job.scan.ring);
   }
   std::vector<uint16_t> rings = rings_from_order(job.scan.point);
@@ -92,7 +92,7 @@ double time_at(const Job& job, double azimuth) {
          job.sensor->turn() * std::remainder(azimuth, 2 * M_PI) / (2 * M_PI) * job.revolution_s;
 }
 
-// Whether a point lies at this range, as far as floats and files in millimetres tell.
+// Whether a point lies at this range, up to the rounding of floats and of files in millimetres.
 bool is_at(const Vec3f& point, double range_m) {
   return range_m > 0 && std::abs(point.cast<double>().norm() - range_m) <= 1e-5 * range_m + 1e-3;
 }
@@ -100,7 +100,7 @@ bool is_at(const Vec3f& point, double range_m) {
 // Makes the rays of all stored points that are a return or a known miss.
 std::vector<SensorRay> stored_rays(const Job& job, const std::optional<OrganisedScan>& grid) {
   const PointScan& scan = job.scan;
-  const bool rows = grid && (scan.ring.empty() || !rings_are_told(scan, grid->rows));
+  const bool rows = grid && (scan.ring.empty() || !rings_are_numbered(scan, grid->rows));
   const std::vector<uint16_t> rings = rows ? std::vector<uint16_t>() : rings_of(job);
   const double fault = job.options.elevation_offset_rad, end_m = job.options.no_return_at_m;
   std::vector<SensorRay> rays;

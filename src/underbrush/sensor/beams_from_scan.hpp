@@ -42,7 +42,7 @@ struct BeamOptions {
 };
 
 /// The reason for which recorded misses are skipped.
-inline constexpr const char* kNoGrid = "no coordinates and no grid to tell the direction";
+inline constexpr const char* kNoGrid = "no coordinates, and no grid that gives the direction";
 
 /// Counts of the points of all scans read so far.
 struct BeamCounts {
@@ -51,19 +51,20 @@ struct BeamCounts {
   size_t misses_inferred = 0;  ///< Misses that were inserted.
   size_t unknown = 0;          ///< Beams without a return that may not be misses; left out.
   size_t scans_ringed_by_elevation = 0;  ///< Scans whose rings do not follow from the file's order.
-  /// Scans whose numbers of rings are not those of the sensor, but tell them.
+  /// Scans whose numbers of rings are not those of the sensor, but can be mapped to its channels.
   size_t scans_with_rings_renumbered = 0;
-  size_t scans_thinned = 0;  ///< Scans that lack so many points that gaps tell no misses.
+  size_t scans_thinned = 0;  ///< Scans that lack so many points that gaps do not imply misses.
   std::map<std::string, size_t> skipped;  ///< Points left out, by reason.
 };
 
 /// Makes the beams of one scan and adds to `counts`.
 ///
 /// - Ring: it is the file's own number, made the sensor's by `channels_of_rings`, if the numbers
-///   tell rings apart (`rings_are_told`). An organised scan without one gives its row. Otherwise
-///   rings are recovered from the file's order (KITTI: 0 = top), or, if that gives another number
-///   of rings than the sensor has channels, from the elevation (index of the channel; counted).
-///   Without a sensor, more than 256 recovered rings are not taken for rings, and all are 0.
+///   distinguish rings (`rings_are_numbered`). An organised scan without one gives its row.
+///   Otherwise rings are recovered from the file's order (KITTI: 0 = top), or, if that gives
+///   another number of rings than the sensor has channels, from the elevation (index of the
+///   channel; counted). Without a sensor, more than 256 recovered rings are not taken for rings,
+///   and all are 0.
 /// - Misses: points of an organised scan that are (0,0,0) or not finite are misses, and their
 ///   directions come from `find_organised_scan`. Where there is no grid they are skipped and
 ///   counted.

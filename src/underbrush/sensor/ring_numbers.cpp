@@ -73,7 +73,7 @@ double channel_spacing(const Sensor& sensor) {
   return median(gaps);
 }
 
-bool rings_are_told(const PointScan& scan, size_t channels) {
+bool rings_are_numbered(const PointScan& scan, size_t channels) {
   constexpr double kWide = 3 * M_PI / 180;
   std::map<uint16_t, std::vector<double>> elevation;
   for (size_t i = 0; i < scan.size(); ++i) {

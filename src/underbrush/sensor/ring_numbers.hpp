@@ -12,10 +12,10 @@ namespace underbrush::sensor {
 /// The usual distance of neighbouring channels of a sensor, rad: the median.
 double channel_spacing(const Sensor& sensor);
 
-/// Whether the numbers of a scan's rings tell its rings apart. They do not where a quarter of the
+/// Whether the numbers of a scan's rings distinguish its rings. They do not if a quarter of the
 /// `channels` or fewer have a number, and most returns share theirs with others more than 3° above
 /// or below: many programs leave all numbers 0.
-bool rings_are_told(const PointScan& scan, size_t channels);
+bool rings_are_numbered(const PointScan& scan, size_t channels);
 
 /// Whether the numbers of rings are channels of the sensor by the median elevations of rings, which
 /// are too low by `fault_rad`: to 0.6 of the usual distance of channels in the median.

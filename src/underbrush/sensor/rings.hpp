@@ -39,10 +39,10 @@ struct InsertedMisses {
 /// where the nearest rings with returns have them in more than half of the turn, unless it lies
 /// above the horizon and above all of them: only rings at the edge to the sky miss everything.
 ///
-/// A beam below `unknown_below_rad` is unknown. That is told of its ring: by its catalogue
-/// elevation if `sensor` numbers its rings in the same direction as the scan, else by the median
-/// elevation of its returns plus `fault_rad`. `up` is the world's up in the sensor's frame. Where
-/// it is more than 45° from the sensor's z, each beam counts with its own elevation in the world.
+/// A beam below `unknown_below_rad` is unknown. The elevation is that of the ring: the one of the
+/// catalogue if `sensor` numbers its rings in the same direction as the scan, else the median
+/// elevation of the ring's returns plus `fault_rad`. `up` is the world's up in the sensor's frame.
+/// Where it is more than 45° from the sensor's z, each beam has its own elevation in the world.
 /// `revolution_s` serves to recognise a gap at the scan's own seam, where times jump.
 InsertedMisses insert_misses(std::vector<SensorRay>& rays, const Sensor& sensor,
                              double nominal_step_rad, double unknown_below_rad, const Vec3& up,

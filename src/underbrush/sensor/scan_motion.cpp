@@ -10,7 +10,7 @@ namespace underbrush::sensor {
 namespace {
 
 constexpr double kSigmaRad = 1e-3;     // spread of a direction about its place in the layout
-constexpr double kTurnPriorRad = 0.1;  // weak priors, for what the samples do not tell
+constexpr double kTurnPriorRad = 0.1;  // weak priors, for what the samples leave open
 constexpr double kMovePriorM = 2;
 
 /// The knot before a share, and how far the share lies from it to the next.

@@ -16,13 +16,13 @@
 namespace underbrush::serve {
 namespace {
 
-constexpr uint64_t kTold = 65536;  // bytes at each end of a file that tell files apart
+constexpr uint64_t kHashed = 65536;  // bytes at each end of a file
 
 // Size of a file and a hash of its first and last bytes, which stay equal when it is copied.
 std::string contents_of(const std::filesystem::path& path) {
   const InputFile file(path);
   uint64_t hash = file.size();
-  std::string bytes(size_t(std::min(kTold, file.size())), '\0');
+  std::string bytes(size_t(std::min(kHashed, file.size())), '\0');
   for (const uint64_t at : {uint64_t(0), file.size() - bytes.size()}) {
     file.read(at, bytes.data(), bytes.size());
     for (const char c : bytes) hash = mix64(hash ^ (uint64_t(uint8_t(c)) + 0x9e3779b97f4a7c15ull));

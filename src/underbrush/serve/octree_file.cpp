@@ -59,7 +59,7 @@ OctreeFile::OctreeFile(const std::filesystem::path& path) : file_(path) {
     points += n.points;
   }
   if (next_child != nodes_.size()) fail("nodes", "not a tree");
-  if (points != header_.points) fail("nodes", "another number of points than the header says");
+  if (points != header_.points) fail("nodes", "another number of points than in the header");
 }
 
 OctreePoints read_points(const OctreeFile& file, const OctreeNode& node) {

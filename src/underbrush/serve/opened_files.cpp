@@ -119,7 +119,7 @@ class Search {
   size_t others_ = 0;
 };
 
-// Names that several files share get the folders above them, as far as tells them apart.
+// Names that several files share get as many of the folders above them as distinguish them.
 void tell_apart(std::vector<OpenedFile>& files) {
   for (bool more = true; more;) {
     std::map<std::string, std::set<fs::path>> paths;

@@ -19,7 +19,7 @@ struct BeamAnswer {
 };
 
 /// Answers each ray with the median of its returns under the mixture of the elements that it meets
-/// and of the pixels of keyframes (`trace::RangeMixture`, `elements::KeyframeTrust`), or with a
+/// and of the pixels of keyframes (`trace::RangeMixture`, `elements::KeyframeWeights`), or with a
 /// miss where that is likelier than a return. This is the answer of the least expected error in
 /// range. `cache` may be null.
 std::vector<BeamAnswer> median_answers(const trace::World& world,

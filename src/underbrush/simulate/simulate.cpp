@@ -30,10 +30,11 @@ Vec3 drawn_in_volume(const elements::Model& model, const elements::Instance& pla
 
 void check(const DynamicWorld& world, const Options& options) {
   if (options.random_ray) options.random_ray->check();
-  require((world.world().draws() == trace::Draws::kSwaying) == (options.sway_s > 0),
-          "simulate: a world sways if it is given a correlation time");
+  require(
+      (world.world().draws() == trace::Draws::kSwaying) == (options.sway_s > 0),
+      "simulate: sway_s > 0 needs a world whose matter sways, and such a world needs sway_s > 0");
   require(options.draw != RangeDraw::kMedian || (!options.random_ray && !world.moves()),
-          "simulate: the median is of thin rays in a world in which nothing moves");
+          "simulate: --draw median needs thin rays and a world without moving objects");
 }
 
 trace::RangeLimits limits_of(const DynamicWorld& world, const Options& options,

@@ -59,7 +59,7 @@ struct Options {
 /// other models have no effect. Where a drawn range lies outside these limits, the element's own
 /// range is taken. Intensities are those of the light that the models have learnt (`LearntLight`)
 /// and 0 for models without. Where `keyframes_serve`, the answer is that of the mixture of
-/// `elements::KeyframeTrust`, intensity included. `EchoMaker` has those of an instrument and of
+/// `elements::KeyframeWeights`, intensity included. `EchoMaker` has those of an instrument and of
 /// materials. Throws `std::invalid_argument` for options out of range, and where the median is
 /// asked for in a world that moves, or of a ray that is drawn.
 void simulate(const DynamicWorld& world, const Options& options, size_t first_beam, BeamLog& beams);

@@ -162,8 +162,8 @@ std::optional<double> UnknownSpace::drawn_end(const Ray& ray, uint64_t key,
     end = s.from_m + (s.to_m - s.from_m) * free / of_step;
     return true;
   };
-  // Most rays pass, and their draws alone tell it. Only a ray that may end near the ground is
-  // followed again, because it has one trial where it first comes there.
+  // Most rays pass, which follows from their draws alone. Only a ray that may end near the ground
+  // is followed again, because it has one trial where it first comes there.
   bool comes_low = false;
   const double density = std::max(most_high_, most_low_ * std::max(kLeastFall, -ray.direction.z()));
   const double most = kSlack * density * space_.cell_m;

@@ -1,4 +1,4 @@
-#include "underbrush/keyframes/keyframe_trust.hpp"
+#include "underbrush/keyframes/keyframe_weights.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,14 +9,14 @@ namespace {
 
 // A beam beside eight pixels without a return. Its own return, if any, has the density 0.5 by the
 // elements, and a miss the probability `elements`.
-TrustSample sample(bool returns, double elements) {
+WeightSample sample(bool returns, double elements) {
   CachedPixels found;
-  found.count = TrustSample::kPixels;
+  found.count = WeightSample::kPixels;
   for (size_t k = 0; k < found.count; ++k) {
     found.rank[k] = uint8_t(k);
     found.range_m[k] = INFINITY;
   }
-  TrustSample s(found, returns ? 10 : INFINITY);
+  WeightSample s(found, returns ? 10 : INFINITY);
   s.elements = elements;
   return s;
 }
@@ -24,13 +24,13 @@ TrustSample sample(bool returns, double elements) {
 // Elements that stop half of the beams, with the weight w beside pixels without a return, give a
 // share w / 2 of the beams a return. Beams into the sky do not change the weight, however many they
 // are, because elements and pixels agree on them.
-TEST(KeyframeTrust, IsTheMostLikelyOneBesideBeamsThatTellNothing) {
+TEST(KeyframeWeights, IsTheMostLikelyOneBesideBeamsThatTellNothing) {
   for (const double weight : {0.1, 0.8, 1.0}) {
     for (const int sky : {0, 20000}) {
-      std::vector<TrustSample> samples;
+      std::vector<WeightSample> samples;
       for (int k = 0; k < sky; ++k) samples.push_back(sample(false, 1));
       for (int k = 0; k < 10000; ++k) samples.push_back(sample(k < 5000 * weight, 0.5));
-      EXPECT_NEAR(most_likely_trust(samples)[0].elements, weight, 0.02) << sky;
+      EXPECT_NEAR(most_likely_weights(samples)[0].elements, weight, 0.02) << sky;
     }
   }
 }

@@ -1,5 +1,5 @@
 /// \file
-/// The trust in keyframes, learnt from beams.
+/// The weights of keyframes, learnt from beams.
 #pragma once
 #include <array>
 #include <vector>
@@ -10,9 +10,9 @@
 namespace underbrush::keyframes {
 
 /// The pixels found for a beam beside its outcome, and the likelihood of the elements. The arrays
-/// have a number for each place in `KeyframeTrust::pixel`.
-struct TrustSample {
-  static constexpr size_t kPixels = elements::KeyframeTrust::kPixels;
+/// have a number for each place in `KeyframeWeights::pixel`.
+struct WeightSample {
+  static constexpr size_t kPixels = elements::KeyframeWeights::kPixels;
 
   std::array<float, kPixels> off_m{};   ///< Range minus the pixel's, m, where both returned.
   std::array<float, kPixels> hit{};     ///< 1 where both returned.
@@ -23,15 +23,16 @@ struct TrustSample {
   double outlier = 0;   ///< The part of the outliers in it.
 
   /// `range_m` is infinite for a miss.
-  TrustSample(const CachedPixels& found, double range_m);
+  WeightSample(const CachedPixels& found, double range_m);
 };
 
-/// Finds the most likely trust in every situation, by expectation and maximisation. At a distance
-/// with too few beams the trust is that of `earlier`, or without it that of the next farther
-/// distance. A place of `KeyframeTrust::pixel` in which next to no beam has a pixel leaves its
+/// Finds the most likely weights in every situation, by expectation and maximisation. At a distance
+/// with too few beams the weights are those of `earlier`, or without it that of the next farther
+/// distance. A place of `KeyframeWeights::pixel` in which next to no beam has a pixel leaves its
 /// weight to the elements. The result has the same bits for any number of threads.
-std::array<elements::KeyframeTrust, elements::Keyframes::kSituations> most_likely_trust(
-    const std::vector<TrustSample>& samples,
-    const std::array<elements::KeyframeTrust, elements::Keyframes::kSituations>* earlier = nullptr);
+std::array<elements::KeyframeWeights, elements::Keyframes::kSituations> most_likely_weights(
+    const std::vector<WeightSample>& samples,
+    const std::array<elements::KeyframeWeights, elements::Keyframes::kSituations>* earlier =
+        nullptr);
 
 }  // namespace underbrush::keyframes

@@ -1,4 +1,4 @@
-#include "underbrush/keyframes/keyframe_trust.hpp"
+#include "underbrush/keyframes/keyframe_weights.hpp"
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -13,13 +13,13 @@ namespace underbrush::keyframes {
 namespace {
 
 using elements::Keyframes;
-using elements::KeyframeTrust;
+using elements::KeyframeWeights;
 
-constexpr size_t kPixels = KeyframeTrust::kPixels, kScales = KeyframeTrust::kScales;
+constexpr size_t kPixels = KeyframeWeights::kPixels, kScales = KeyframeWeights::kScales;
 static_assert(kPixels == kLanes);
 /// Most accelerated rounds of an expectation and maximisation, and the largest change of a weight
 /// in a step at which they end.
-constexpr int kTrustRounds = 40;
+constexpr int kWeightRounds = 40;
 constexpr double kSettled = 1e-4;
 /// A distance at which fewer beams were looked at is not trusted.
 constexpr size_t kLeastBeams = 1000;
@@ -52,9 +52,9 @@ UNDERBRUSH_INLINE double sum_of(D x) {
   return sum;
 }
 
-/// Adds the shares of `n` samples, each in all places of `KeyframeTrust::pixel` at once.
-UNDERBRUSH_CLONES void expect(const TrustSample* samples, const uint32_t* which, size_t n,
-                              const KeyframeTrust& t, Expected& out) {
+/// Adds the shares of `n` samples, each in all places of `KeyframeWeights::pixel` at once.
+UNDERBRUSH_CLONES void expect(const WeightSample* samples, const uint32_t* which, size_t n,
+                              const KeyframeWeights& t, Expected& out) {
   F pixel, exponent[kScales], peak[kScales];
   for (size_t r = 0; r < kPixels; ++r) pixel[r] = float(t.pixel[r]);
   for (size_t c = 0; c < kScales; ++c) {
@@ -64,7 +64,7 @@ UNDERBRUSH_CLONES void expect(const TrustSample* samples, const uint32_t* which,
   }
   D pixels{}, scales[kScales]{}, squares[kScales]{};
   for (size_t i = 0; i < n; ++i) {
-    const TrustSample& s = samples[which[i]];
+    const WeightSample& s = samples[which[i]];
     const F hit = load(s.hit.data()), missed = load(s.missed.data());
     const F off = load(s.off_m.data()), square = off * off;
     const F unseen = pixel * load(s.unseen.data());
@@ -97,8 +97,8 @@ UNDERBRUSH_CLONES void expect(const TrustSample* samples, const uint32_t* which,
 }
 
 /// The weights that follow from sums and from `beams` beams with the weights of `prior`.
-KeyframeTrust trust_of(const Expected& sums, const KeyframeTrust& prior, double beams) {
-  KeyframeTrust out = prior;
+KeyframeWeights weights_of(const Expected& sums, const KeyframeWeights& prior, double beams) {
+  KeyframeWeights out = prior;
   double all = sums.elements, returns = 0;
   for (const double w : sums.pixel) all += w;
   for (const double c : sums.scale) returns += c;
@@ -118,8 +118,8 @@ KeyframeTrust trust_of(const Expected& sums, const KeyframeTrust& prior, double 
   return out;
 }
 
-KeyframeTrust first_guess() {
-  KeyframeTrust t;
+KeyframeWeights first_guess() {
+  KeyframeWeights t;
   t.elements = 0.3;
   t.pixel.fill(0.7 / double(t.pixel.size()));
   t.scale.fill(1.0 / double(t.scale.size()));
@@ -127,12 +127,12 @@ KeyframeTrust first_guess() {
   return t;
 }
 
-/// The weights, scales and variances of a trust as one vector, and back; a step beyond their limits
-/// ends at them.
-using TrustVector = Eigen::Array<double, 1 + kPixels + 2 * kScales, 1>;
+/// The weights, scales and variances of some weights as one vector, and back; a step beyond their
+/// limits ends at them.
+using WeightVector = Eigen::Array<double, 1 + kPixels + 2 * kScales, 1>;
 
-TrustVector vector_of(const KeyframeTrust& t) {
-  TrustVector v;
+WeightVector vector_of(const KeyframeWeights& t) {
+  WeightVector v;
   v[0] = t.elements;
   for (size_t r = 0; r < kPixels; ++r) v[int(1 + r)] = t.pixel[r];
   for (size_t c = 0; c < kScales; ++c) {
@@ -142,12 +142,12 @@ TrustVector vector_of(const KeyframeTrust& t) {
   return v;
 }
 
-KeyframeTrust trust_of(const TrustVector& v) {
+KeyframeWeights weights_of(const WeightVector& v) {
   constexpr double kLeast = 1e-9;
-  const TrustVector w = v.max(kLeast);
+  const WeightVector w = v.max(kLeast);
   const double weights = w.head<1 + kPixels>().sum(),
                scales = w.segment<kScales>(1 + kPixels).sum();
-  KeyframeTrust t;
+  KeyframeWeights t;
   t.elements = w[0] / weights;
   for (size_t r = 0; r < kPixels; ++r) t.pixel[r] = w[int(1 + r)] / weights;
   for (size_t c = 0; c < kScales; ++c) {
@@ -157,15 +157,15 @@ KeyframeTrust trust_of(const TrustVector& v) {
   return t;
 }
 
-/// An expectation and a maximisation of the trust in the samples of some situations.
-class TrustStep {
+/// An expectation and a maximisation of the weights in the samples of some situations.
+class WeightStep {
  public:
-  TrustStep(const std::vector<TrustSample>& samples, const std::vector<uint32_t>& which,
-            const KeyframeTrust& prior, double prior_beams)
+  WeightStep(const std::vector<WeightSample>& samples, const std::vector<uint32_t>& which,
+             const KeyframeWeights& prior, double prior_beams)
       : samples_(samples), which_(which), prior_(prior), prior_beams_(prior_beams) {}
 
-  /// Returns the next trust; `likelihood` becomes that of `t`.
-  KeyframeTrust operator()(const KeyframeTrust& t, double& likelihood) const {
+  /// Returns the next weights; `likelihood` becomes that of `t`.
+  KeyframeWeights operator()(const KeyframeWeights& t, double& likelihood) const {
     constexpr size_t kPiece = 4096;
     std::vector<Expected> pieces((which_.size() + kPiece - 1) / kPiece);
     parallel_for(which_.size(), kPiece, [&](size_t begin, size_t end) {
@@ -174,13 +174,13 @@ class TrustStep {
     Expected all;
     for (const Expected& piece : pieces) all.add(piece);
     likelihood = all.likelihood;
-    return trust_of(all, prior_, prior_beams_);
+    return weights_of(all, prior_, prior_beams_);
   }
 
  private:
-  const std::vector<TrustSample>& samples_;
+  const std::vector<WeightSample>& samples_;
   const std::vector<uint32_t>& which_;
-  const KeyframeTrust& prior_;
+  const KeyframeWeights& prior_;
   double prior_beams_;
 };
 
@@ -188,31 +188,31 @@ class TrustStep {
 /// the sky, elements and pixels have the same likelihood. These beams do not change the maximum,
 /// but make the steps short. Two steps are therefore extrapolated by squares (SQUAREM [varadhan08])
 /// as long as this raises the likelihood.
-KeyframeTrust most_likely(const std::vector<TrustSample>& samples,
-                          const std::vector<uint32_t>& which, const KeyframeTrust& prior,
-                          double prior_beams) {
-  const TrustStep step(samples, which, prior, prior_beams);
-  KeyframeTrust t = prior;
-  for (int round = 0; round < kTrustRounds; ++round) {
+KeyframeWeights most_likely(const std::vector<WeightSample>& samples,
+                            const std::vector<uint32_t>& which, const KeyframeWeights& prior,
+                            double prior_beams) {
+  const WeightStep step(samples, which, prior, prior_beams);
+  KeyframeWeights t = prior;
+  for (int round = 0; round < kWeightRounds; ++round) {
     double before = 0, after = 0, extrapolated = 0;
-    const KeyframeTrust one = step(t, before), two = step(one, after);
-    const TrustVector v0 = vector_of(t), v1 = vector_of(one), v2 = vector_of(two);
-    const TrustVector change = v1 - v0, bend = v2 - v1 - change;
+    const KeyframeWeights one = step(t, before), two = step(one, after);
+    const WeightVector v0 = vector_of(t), v1 = vector_of(one), v2 = vector_of(two);
+    const WeightVector change = v1 - v0, bend = v2 - v1 - change;
     t = two;
     if (change.abs().maxCoeff() < kSettled) break;
     const double norm = bend.matrix().norm();
     if (!(norm > 0)) break;
     const double length = std::max(1.0, change.matrix().norm() / norm);
-    const KeyframeTrust far = trust_of(v0 + 2 * length * change + length * length * bend);
-    const KeyframeTrust next = step(far, extrapolated);
+    const KeyframeWeights far = weights_of(v0 + 2 * length * change + length * length * bend);
+    const KeyframeWeights next = step(far, extrapolated);
     if (extrapolated >= after) t = next;
   }
   return t;
 }
 
-/// Which places of `KeyframeTrust::pixel` some samples say nothing of, as no more than a few saw a
-/// pixel there.
-std::array<bool, kPixels> unseen_by(const std::vector<TrustSample>& samples,
+/// Which places of `KeyframeWeights::pixel` some samples say nothing of, as no more than a few saw
+/// a pixel there.
+std::array<bool, kPixels> unseen_by(const std::vector<WeightSample>& samples,
                                     const std::vector<uint32_t>& which) {
   std::array<double, kPixels> seen{};
   for (const uint32_t i : which) {
@@ -224,7 +224,7 @@ std::array<bool, kPixels> unseen_by(const std::vector<TrustSample>& samples,
 }
 
 /// Gives the elements the weight of pixels that nothing was learnt of.
-void leave_to_elements(const std::array<bool, kPixels>& unseen, KeyframeTrust& t) {
+void leave_to_elements(const std::array<bool, kPixels>& unseen, KeyframeWeights& t) {
   for (size_t r = 0; r < kPixels; ++r) {
     if (unseen[r]) t.elements += std::exchange(t.pixel[r], 0.0);
   }
@@ -232,7 +232,7 @@ void leave_to_elements(const std::array<bool, kPixels>& unseen, KeyframeTrust& t
 
 }  // namespace
 
-TrustSample::TrustSample(const CachedPixels& found, double range_m) : situation(found.situation) {
+WeightSample::WeightSample(const CachedPixels& found, double range_m) : situation(found.situation) {
   const bool beam_missed = std::isinf(range_m);
   unseen.fill(1);
   for (size_t k = 0; k < found.count; ++k) {
@@ -245,17 +245,17 @@ TrustSample::TrustSample(const CachedPixels& found, double range_m) : situation(
   }
 }
 
-std::array<KeyframeTrust, Keyframes::kSituations> most_likely_trust(
-    const std::vector<TrustSample>& samples,
-    const std::array<KeyframeTrust, Keyframes::kSituations>* earlier) {
-  std::array<KeyframeTrust, Keyframes::kSituations> out;
+std::array<KeyframeWeights, Keyframes::kSituations> most_likely_weights(
+    const std::vector<WeightSample>& samples,
+    const std::array<KeyframeWeights, Keyframes::kSituations>* earlier) {
+  std::array<KeyframeWeights, Keyframes::kSituations> out;
   std::vector<std::vector<uint32_t>> by_situation(Keyframes::kSituations);
   std::vector<std::vector<uint32_t>> by_agreement(Keyframes::kAgreements);
   for (uint32_t i = 0; i < samples.size(); ++i) {
     by_situation[samples[i].situation].push_back(i);
     by_agreement[samples[i].situation % Keyframes::kAgreements].push_back(i);
   }
-  const KeyframeTrust start = first_guess();
+  const KeyframeWeights start = first_guess();
   constexpr size_t kDistances = Keyframes::kDistances.size();
   const auto situation_of = [](size_t distance, size_t agreement) {
     return distance * Keyframes::kAgreements + agreement;
@@ -269,15 +269,15 @@ std::array<KeyframeTrust, Keyframes::kSituations> most_likely_trust(
     is_known[d] = beams >= kLeastBeams;
   }
   parallel_for(Keyframes::kAgreements, 1, [&](size_t a, size_t) {
-    const KeyframeTrust pooled = most_likely(samples, by_agreement[a], start, 1);
+    const KeyframeWeights pooled = most_likely(samples, by_agreement[a], start, 1);
     const std::array<bool, kPixels> unseen = unseen_by(samples, by_agreement[a]);
     parallel_for(kDistances, 1, [&](size_t d, size_t) {
       if (!is_known[d]) return;
-      KeyframeTrust& t = out[situation_of(d, a)];
+      KeyframeWeights& t = out[situation_of(d, a)];
       t = most_likely(samples, by_situation[situation_of(d, a)], pooled, kPriorBeams);
       leave_to_elements(unseen, t);
     });
-    // Where no beam was so near to a keyframe, the trust is that of the next farther distance.
+    // Where no beam was so near to a keyframe, the weights are those of the next farther distance.
     for (size_t d = kDistances; d-- > 0;) {
       const size_t situation = situation_of(d, a);
       if (is_known[d]) continue;
