@@ -179,6 +179,42 @@ TEST(UnknownSpace, DrawnEndsAreThoseOfAWalkStepByStep) {
   EXPECT_GT(low, 1000u);
 }
 
+TEST(UnknownSpace, ALimitWithinAStepShortensThatStepAlone) {
+  for (const float density : {0.02f, 0.5f}) {  // draws come before and after the look-up of cells
+    const ObservedSpace space = space_of(density, 0);
+    const elements::TriangleMesh ground = flat_ground();
+    const UnknownSpace unknown(space, ground, kOrigin);
+    Stream random(52);
+    size_t before = 0, within = 0, none = 0;
+    for (uint64_t k = 0; k < 40000; ++k) {
+      const Vec3 place(20 * random.normal(), 20 * random.normal(), 1.9);
+      const Ray ray = ray_from(
+          place, {std::cos(double(k)), std::sin(double(k)), 0.02 * random.uniform()});
+      const double limit = random.uniform(1, density < 0.1f ? 60 : 6);
+      const double step = 0.3 + std::floor((limit - 0.3) / space.cell_m) * space.cell_m;
+      std::optional<double> expected = unknown.drawn_end(ray, k, {0.3, 70});
+      if (expected && *expected < step) {
+        ++before;
+      } else {
+        const Vec3 middle = place + 0.5 * (step + limit) * ray.direction;
+        const uint64_t cell = CellHash()(cell_of(middle, space.cell_m));
+        const double free = -std::log1p(-drawn_in_cell(k, cell, 0));
+        expected.reset();
+        if (free < double(density) * (limit - step)) expected = step + free / double(density);
+        ++(expected ? within : none);
+      }
+      const std::optional<double> end = unknown.drawn_end(ray, k, {0.3, limit});
+      ASSERT_EQ(end.has_value(), expected.has_value()) << k << " " << limit;
+      if (end) {
+        ASSERT_NEAR(*end, *expected, 1e-9) << k;
+      }
+    }
+    EXPECT_GT(before, 10000u);
+    EXPECT_GT(within, 50u);
+    EXPECT_GT(none, 5000u);
+  }
+}
+
 TEST(UnknownSpace, GroundThatLosesBeamsGoesOnLosingThem) {
   ObservedSpace space = space_of(0, 0);
   for (const double h : {-0.25, -0.75, 0.25}) {
