@@ -10,6 +10,7 @@ import argparse
 import json
 import math
 import pathlib
+import re
 import shutil
 import struct
 import subprocess
@@ -42,15 +43,15 @@ def ranges_of(file):
 
 def library_ranges(folder, model, log):
     """The ranges of the library's answer to a log, to the bit; 0 for a miss. The files of logs have rounded vectors."""
-    subprocess.run([LIBRARY, model, log, "library.ply", "5", ""], cwd=folder, check=True)
+    subprocess.run([LIBRARY, "simulate", model, log, "library.ply", "5", ""], cwd=folder, check=True)
     return [r if math.isfinite(r) else 0.0
             for (r,) in struct.iter_unpack("<f", (folder / "library.ply.ranges").read_bytes())]
 
 
 def body(file):
-    """A log without the comments, of which one says what wrote it."""
-    content = pathlib.Path(file).read_bytes()
-    return content[content.index(b"element vertex"):]
+    """A PLY file without the comments, of which one has its provenance."""
+    head, end, rows = pathlib.Path(file).read_bytes().partition(b"end_header\n")
+    return re.sub(rb"^comment .*\n", b"", head, flags=re.MULTILINE) + end + rows
 
 
 class OneAnswer(unittest.TestCase):
@@ -90,8 +91,33 @@ class OneAnswer(unittest.TestCase):
     def test_the_library_answers_as_the_program(self):
         for words, options in ((["--seed", 5], ["5", ""]), (["--draw", "median"], ["1", "median"])):
             program("simulate", "model", "--like", "test.ply", "-o", "program.ply", *words, "--force", cwd=self.folder)
-            subprocess.run([LIBRARY, "model", "test.ply", "library.ply", *options], cwd=self.folder, check=True)
+            subprocess.run([LIBRARY, "simulate", "model", "test.ply", "library.ply", *options], cwd=self.folder, check=True)
             self.assertEqual(body(self.folder / "program.ply"), body(self.folder / "library.ply"), words)
+
+    def test_the_library_fits_as_the_program(self):
+        program("fit", "train.ply", "-o", "program_fit", cwd=self.folder)
+        subprocess.run([LIBRARY, "fit", "train.ply", "library_fit"], cwd=self.folder, check=True)
+        files = sorted(f.name for f in (self.folder / "program_fit").iterdir() if f.is_file())
+        self.assertIn("keyframes.ply", files)
+        self.assertIn("observed_space.ply", files)
+        for name in files:
+            of_program, of_library = ((self.folder / f"{who}_fit" / name) for who in ("program", "library"))
+            if name == "model.json":
+                models = [json.loads(file.read_text()) for file in (of_program, of_library)]
+                for model in models:
+                    model.pop("provenance", None)
+                self.assertEqual(*models)
+            else:
+                self.assertEqual(body(of_program), body(of_library), name)
+
+    def test_the_library_scores_as_the_program(self):
+        of_program = json.loads(program("score", "test.ply", "sim.ply", "--model", "model", "--json", "-",
+                                        cwd=self.folder))["models"]["sim"]
+        done = subprocess.run([LIBRARY, "score", "test.ply", "sim.ply", "model"], cwd=self.folder, check=True,
+                              capture_output=True, text=True)
+        self.assertEqual(json.loads(done.stdout)["models"]["library"], of_program)
+        self.assertGreater(of_program["beams"], 1000)
+        self.assertLess(of_program["nll_per_beam"], 5)
 
     def test_the_range_images_of_the_server_are_those_of_the_program(self):
         ranges = library_ranges(self.folder, "model", "test.ply")

@@ -188,8 +188,8 @@ TEST(UnknownSpace, ALimitWithinAStepShortensThatStepAlone) {
     size_t before = 0, within = 0, none = 0;
     for (uint64_t k = 0; k < 40000; ++k) {
       const Vec3 place(20 * random.normal(), 20 * random.normal(), 1.9);
-      const Ray ray = ray_from(
-          place, {std::cos(double(k)), std::sin(double(k)), 0.02 * random.uniform()});
+      const Ray ray =
+          ray_from(place, {std::cos(double(k)), std::sin(double(k)), 0.02 * random.uniform()});
       const double limit = random.uniform(1, density < 0.1f ? 60 : 6);
       const double step = 0.3 + std::floor((limit - 0.3) / space.cell_m) * space.cell_m;
       std::optional<double> expected = unknown.drawn_end(ray, k, {0.3, 70});
