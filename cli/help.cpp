@@ -162,7 +162,8 @@ std::string HelpFormatter::groups(const CLI::App* app, CLI::AppFormatMode mode) 
     out += fmt::format("\n{} more options: {}{} --help-all\n", left_out, program, app->get_name());
   } else if (unlisted > 0) {
     out += fmt::format(
-        "\n{} more options, of configurations of papers: docs/reference/parameters.md\n", unlisted);
+        "\n{} more options serve configurations of papers: docs/reference/parameters.md\n",
+        unlisted);
   }
   return out;
 }

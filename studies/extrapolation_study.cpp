@@ -167,10 +167,11 @@ void report_rows(const std::string& log, const Rows& rows, report::Table& table,
       for (size_t k = 0; k < sums.size(); ++k) {
         const double mean = sums[k].sum[s] / double(sums[k].tests);
         cell += fmt::format("{}{:.{}f}", k == 0 ? "" : " / ", mean, kScores[s].digits);
-        nlohmann::ordered_json& figures = result.figures[log][protocol][kSources[k]];
-        figures[kScores[s].key] = mean;
-        figures["tests"] = sums[k].tests;
+        result.figures[log][protocol][kSources[k]][kScores[s].key] = mean;
       }
+    }
+    for (size_t k = 0; k < sums.size(); ++k) {
+      result.figures[log][protocol][kSources[k]]["tests"] = sums[k].tests;
     }
     table.rows.push_back(std::move(cells));
     double best = sums[1].sum[kCappedError];

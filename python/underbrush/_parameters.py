@@ -95,7 +95,9 @@ class SimulateParameters(TypedDict, total=False):
     #: beams and later scans meet the same leaves, which sway if fit found that they do; still = the same without
     #: sway; anew = a new draw for each beam (default once).
     matter: str
-    grain: float  #: Side of the cells within which matter is drawn as one; 0 = as in the model (m; default 0).
+    #: Side of the cells within which matter is drawn as one, unless it is drawn anew; 0 = as in the model (m;
+    #: default 0).
+    grain: float
     tau: float  #: Mahalanobis distance within which a beam meets an ellipsoid; 0 = as in the model (default 0).
     #: Correlation time of swaying leaves; 0 = the time that fit learnt, or no sway if it learnt none (s; default
     #: 0).
@@ -205,7 +207,7 @@ class SegmentParameters(TypedDict, total=False):
     label_set: str  #: Label set that gives the numbers of --labels their meaning.
     truth: str  #: Column of the log with the numbers of the true trees, for comparison (default instance).
     ground_method: str  #: Method of ground segmentation (default lower_envelope).
-    min_range: float  #: Leave out returns nearer than this; they may be on the own vehicle (m; default 0).
+    min_range: float  #: Give no label to returns nearer than this; they may be on the own vehicle (m; default 0).
     tile: float  #: Side of a tile of the ground segmentation (m; default 32).
     cell: float  #: Side of a column; 0 = 0.4, or more where points are sparse (m; default 0).
     gap: float  #: Empty height that separates objects in a column; 0 = by the side of the column (m; default 0).

@@ -57,8 +57,8 @@ def viewpoints(folder: typing.Any) -> typing.Iterator[tuple[str, str, list[float
 
 
 def extrapolation(folder: typing.Any) -> typing.Iterator[tuple[str, str, list[float]]]:
-    columns = {"informedness": "informedness", "returns answered": "answered", "F1": "f1", "capped error, m": "capped_error_m",
-               "median range error, m": "median_range_error_m"}
+    columns = {"informedness": "informedness", "returns answered": "answered", "F1": "f1",
+               "capped error, m": "capped_error_m", "median range error, m": "median_range_error_m"}
     for log, protocols in figures(folder).items():
         for protocol, sources in protocols.items():
             for column, key in columns.items():

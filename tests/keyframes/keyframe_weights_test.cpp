@@ -24,7 +24,7 @@ WeightSample sample(bool returns, double elements) {
 // Elements that stop half of the beams, with the weight w beside pixels without a return, give a
 // share w / 2 of the beams a return. Beams into the sky do not change the weight, however many they
 // are, because elements and pixels agree on them.
-TEST(KeyframeWeights, IsTheMostLikelyOneBesideBeamsThatTellNothing) {
+TEST(KeyframeWeights, AreTheMostLikelyOnesBesideBeamsWithoutEvidence) {
   for (const double weight : {0.1, 0.8, 1.0}) {
     for (const int sky : {0, 20000}) {
       std::vector<WeightSample> samples;

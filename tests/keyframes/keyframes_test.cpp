@@ -109,7 +109,7 @@ TEST(Keyframes, OneScanLearnsFromItsNeighbours) {
 }
 
 // In learning a beam of two scans sees the other one alone, and in use it sees both.
-TEST(Keyframes, OfTwoScansTheSecondNearestIsNotTrusted) {
+TEST(Keyframes, OfTwoScansTheSecondNearestHasNoWeight) {
   const elements::Model with = fitted(scanned({0, 0.7}, 0), 1),
                         without = fitted(scanned({0, 0.7}, 0), 0);
   ASSERT_TRUE(with.keyframes);

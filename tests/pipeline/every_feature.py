@@ -85,7 +85,7 @@ def change(rows):
 
 def make(call, folder):
     """Writes train.ply and test.ply, of scans that alternate, and model/, fitted to the first, into the folder. `call`
-    runs the program. The log is too small to teach range offsets or much trust in keyframes, and its sensor moves, which
+    runs the program. The log is too small for range offsets or much weight of keyframes, and its sensor moves, which
     teaches no correlation time of the matter, so these are set."""
     folder = pathlib.Path(folder)
     coarse_sensor(folder / "coarse.yaml")

@@ -96,9 +96,10 @@ TEST(Adapt, EachLayerMovesByItself) {
   const elements::Model m = adapted(from.model, from.entry(), to.object);
   for (size_t k = 0; k < kEllipsoids; ++k) {
     const Vec3f &was = from.model.ellipsoids[k].mean, &is = m.ellipsoids[k].mean;
-    const bool is_trunk = was.z()<1.4F, is_crown = was.z()> 2.6F;
-    EXPECT_TRUE(!is_trunk || std::abs(is.x() - was.x() - 2.5F) < 0.15F) << is.x() << was.x();
-    EXPECT_TRUE(!is_crown || std::abs(is.x() - was.x()) < 0.5F) << is.x() << was.x();
+    const bool is_trunk = was.z() < 1.4F;
+    const bool is_crown = was.z() > 2.6F;
+    EXPECT_TRUE(!is_trunk || std::abs(is.x() - was.x() - 2.5F) < 0.15F) << is.x() << " " << was.x();
+    EXPECT_TRUE(!is_crown || std::abs(is.x() - was.x()) < 0.5F) << is.x() << " " << was.x();
   }
 }
 

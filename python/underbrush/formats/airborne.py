@@ -54,7 +54,7 @@ class Estimate:
 def estimate_poses(recording: Survey) -> Estimate:
     """Reads a survey file once to estimate where its sensor was, and sets its poses and the note on them.
 
-    Raises `OptionMissing` with the reason if it does not follow from the points, `FormatError` if there are none.
+    Raises `OptionMissing` if the positions do not follow from the points, `FormatError` if there are no points.
     """
     table, skipped = PulseTable(), recording.skipped.copy()
     timed = True

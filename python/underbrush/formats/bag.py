@@ -46,8 +46,7 @@ class _Topic:
 
 
 class BagRecording:
-    """A ROS recording. It holds one message at a time; poses are read in a pass of their own, when they are first
-    needed.
+    """A ROS recording. It holds one message at a time; poses are read in a pass of their own, when needed.
 
     `topic` is the point cloud to read, or the packets of a sensor, which are read where there is no point cloud;
     `frame` the sensor, where several publish there, or the frame of an Ouster's packets; `poses` a topic of the
@@ -168,7 +167,7 @@ class BagRecording:
 
     @property
     def organised(self) -> bool:
-        """Whether its scans keep misses, whose direction cannot be determined in the frame of the world."""
+        """Whether its scans keep misses. In the frame of the world they do not: a miss has no direction there."""
         return self._organised and not self.world
 
     @property
@@ -311,8 +310,8 @@ class BagRecording:
                 if scan.xyz is not None and scan.ring is not None:
                     elevation = np.arctan2(scan.xyz[:, 2], np.hypot(scan.xyz[:, 0], scan.xyz[:, 1]))
                     rings = [elevation[scan.ring == ring] for ring in np.unique(scan.ring)]
-                    spread = float(np.median([np.nanstd(ring) for ring in rings]))
-                    are_cones = len(rings) > 1 and spread < _CONE_RAD
+                    spreads = [float(np.nanstd(ring)) for ring in rings]
+                    are_cones = len(rings) > 1 and float(np.median(spreads)) < _CONE_RAD
             break
         self.skipped, self.bytes_done = kept, 0
         return are_cones

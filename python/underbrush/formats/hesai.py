@@ -3,9 +3,8 @@
 Angles, times and the start of a revolution are those of the sensor catalogue where it has the model; `MODELS` has what
 the catalogue lacks. A block's azimuth is that of the rotor at the time that firing times count from, and a laser's is
 the rotor's at its own time. Those of an AT128, whose mirror spins, follow from its correction file. In each firing, a
-QT128, a Pandar128 or an OT128 fires only some of its channels. A file of firing times has these channels and their
-times. Times of an OT128's firings are those of the maker's driver; Nebula's are 43 µs later. Sources: those of
-`hesai_packets`.
+QT128, a Pandar128 or an OT128 fires only some of its channels; a file of firing times has these and their times. Those
+of an OT128 are those of the maker's driver; Nebula's are 43 µs later. Sources: those of `hesai_packets`.
 """
 from __future__ import annotations
 
@@ -191,8 +190,8 @@ class Decoder:
         """(states, channels) times, s, of the channels in a firing; NaN where one does not fire."""
         if self.model.times:
             if times is None:
-                raise ValueError(f"a {self.title} fires some of its channels at a time, and the packets do not contain "
-                                 "which; put its angle correction file and its file of firing times into a folder, and "
+                raise ValueError(f"a {self.title} fires some of its channels at a time, and its packets do not name "
+                                 "them; put its angle correction file and its file of firing times into a folder, and "
                                  "give that with --metadata FOLDER")
             if times.kind != self.model.times or times.us.shape[1] != self.model.lasers:
                 raise ValueError(f"the firing times in {self.source} are not those of a {self.title}")

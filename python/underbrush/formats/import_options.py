@@ -34,7 +34,7 @@ def parser() -> Parser:
                description="Convert a recording to a ray cloud PLY.", allow_abbrev=False)
     p.add_argument("file", metavar="FILE", help="bag, MCAP, LAS, LAZ, pcap, pcapng, E57 or HELIOS++ .xyz")
     p.add_argument("-o", "--output", metavar="LOG.ply",
-                   help="the log; without it, the content of the recording is printed")
+                   help="the log; without it, a description of the recording is printed")
     p.add_argument("--topic", default="", metavar="NAME",
                    help="the topic (bags), ADDRESS:PORT (captures) or station (E57: its number or name) to read")
     p.add_argument("--poses", metavar="FILE|TOPIC",

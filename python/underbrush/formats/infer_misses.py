@@ -70,7 +70,7 @@ class MissInference:
         near = np.setdiff1d(np.arange(len(first)), source[~miss], assume_unique=True)
         if len(near):
             skipped["points nearer than the sensor's minimum range"] += len(near)
-        # The library recognises rings without numbers, or with others than those of the sensor's channels.
+        # The library determines the rings of scans without ring numbers, or with others than the sensor's channels have.
         ring = np.zeros(len(first), np.uint16)
         ring[source[~miss]] = log.ring[~miss]
         scan.ring = ring[np.searchsorted(first, np.arange(len(scan)), side="right") - 1]

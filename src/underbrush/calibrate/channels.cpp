@@ -258,8 +258,9 @@ ChannelOffsets learn_offsets(BeamSource& log, const ChannelOptions& options) {
     cells = e.cells;
     Eigen::MatrixXd matrix = precision * e.matrix;
     Eigen::VectorXd right = precision * e.right;
-    // The prior is about the mean, which is free but for a weak prior of its own: it follows,
-    // if badly, from surfaces that were measured at several angles, and would pass into the others.
+    // The prior is about the mean, which has a weak prior of its own: surfaces that were measured
+    // at several angles determine it, but badly, and without that prior it would pass into the
+    // others.
     const double n = double(rings);
     const Eigen::Map<const Eigen::VectorXd> at(offset.data(), long(rings));
     matrix.diagonal().array() += prior;

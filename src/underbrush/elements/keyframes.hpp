@@ -37,9 +37,9 @@ struct Keyframe {
 ///
 ///   w N_model + Σ_k r_k Σ_s c_s N(z_k, σ_s²)
 ///
-/// of the distribution under the elements and the ranges z_k of the pixels found along the beam,
-/// where a pixel without a return stands for a miss. The weights w and r_k sum to 1, and so do the
-/// c_s. The weight of a pixel that is unknown goes to the elements.
+/// where N_model is the distribution under the elements, and z_k are the ranges of the pixels found
+/// along the beam; a pixel without a return stands for a miss. The weights w and r_k sum to 1, and
+/// so do the c_s. The weight of a pixel that is unknown goes to the elements.
 struct KeyframeWeights {
   static constexpr size_t kPixels = 8, kScales = 3;
   double elements = 1;                                  ///< w

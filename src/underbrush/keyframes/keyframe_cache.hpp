@@ -64,8 +64,8 @@ class KeyframeCache {
   struct Query {
     Ray ray;  ///< World.
     Near near{};
-    /// The random number of `drawn`, so that the look-up ends early where it selects no pixel; 0 =
-    /// never early.
+    /// The `u` of `drawn`. A look-up ends early and finds nothing where `drawn` would select no
+    /// pixel for this number; 0 = no look-up ends early.
     double u = 0;
   };
   /// Makes queries of beams of some channels, with the keyframes nearest to their origins, or with

@@ -21,7 +21,7 @@ static_assert(kPixels == kLanes);
 /// in a step at which they end.
 constexpr int kWeightRounds = 40;
 constexpr double kSettled = 1e-4;
-/// A distance at which fewer beams were looked at is not trusted.
+/// A distance at which fewer beams were looked up gets no weights of its own.
 constexpr size_t kLeastBeams = 1000;
 /// Beams' worth of the weights of all distances that are mixed into those of one.
 constexpr double kPriorBeams = 50;
@@ -127,8 +127,8 @@ KeyframeWeights first_guess() {
   return t;
 }
 
-/// The weights, scales and variances of some weights as one vector, and back; a step beyond their
-/// limits ends at them.
+/// The members of `KeyframeWeights` as one vector, and back; a step beyond their limits ends at
+/// them.
 using WeightVector = Eigen::Array<double, 1 + kPixels + 2 * kScales, 1>;
 
 WeightVector vector_of(const KeyframeWeights& t) {
@@ -210,8 +210,8 @@ KeyframeWeights most_likely(const std::vector<WeightSample>& samples,
   return t;
 }
 
-/// Which places of `KeyframeWeights::pixel` some samples say nothing of, as no more than a few saw
-/// a pixel there.
+/// The places of `KeyframeWeights::pixel` for which some samples have no evidence, because no more
+/// than a few found a pixel there.
 std::array<bool, kPixels> unseen_by(const std::vector<WeightSample>& samples,
                                     const std::vector<uint32_t>& which) {
   std::array<double, kPixels> seen{};

@@ -27,7 +27,7 @@ struct WeightSample {
 };
 
 /// Finds the most likely weights in every situation, by expectation and maximisation. At a distance
-/// with too few beams the weights are those of `earlier`, or without it that of the next farther
+/// with too few beams the weights are those of `earlier`, or without it those of the next farther
 /// distance. A place of `KeyframeWeights::pixel` in which next to no beam has a pixel leaves its
 /// weight to the elements. The result has the same bits for any number of threads.
 std::array<elements::KeyframeWeights, elements::Keyframes::kSituations> most_likely_weights(

@@ -10,7 +10,7 @@ namespace underbrush {
 namespace keyframes {
 
 /// Keeps keyframes of a log in its model. The weights in each situation
-/// (`elements::KeyframeWeights`) is learnt by expectation and maximisation from beams of the log:
+/// (`elements::KeyframeWeights`) are learnt by expectation and maximisation from beams of the log:
 /// each beam is looked up in keyframes other than its own scan, at several distances, and the
 /// weights maximise the likelihood of its outcome under the mixture with the model's elements. If
 /// too few beams were looked up at a distance, the weights are those of the next farther distance.
@@ -30,10 +30,10 @@ struct KeyframeChanges {
 
 /// Adds keyframes of new scans to those that a model has. The earlier keyframes stay, except that
 /// pixels become unknown whose beams met an ellipsoid of `changed`, which later beams contradict.
-/// Earlier keyframes and new scans are selected by the same rule as the scans of one log. The trust
-/// is learnt from beams of the new scans, which are looked up in all keyframes; at distances with
-/// too few beams it does not change. A model without keyframes gets those of the new scans as by
-/// `learn_keyframes`.
+/// Earlier keyframes and new scans are selected by the same rule as the scans of one log. The
+/// weights are learnt from beams of the new scans, which are looked up in all keyframes; at
+/// distances with too few beams they do not change. A model without keyframes gets those of the new
+/// scans as by `learn_keyframes`.
 KeyframeChanges update_keyframes(elements::Model& model, BeamSource& log,
                                  const KeyframeOptions& options, const elements::Model& changed);
 

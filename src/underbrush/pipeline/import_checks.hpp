@@ -8,8 +8,8 @@
 
 namespace underbrush::pipeline {
 
-/// Returns the number of different times of a scan's points where it is too small for the
-/// motion within the scan: at most 8 for 100 points and more, as those of zeros and of dates in
+/// Returns the number of different times of a scan's points where it is too small to give
+/// the motion within the scan: at most 8 for 100 points and more, as those of zeros and of dates in
 /// 32-bit floats. 0 otherwise.
 size_t coarse_times(const PointScan& scan);
 

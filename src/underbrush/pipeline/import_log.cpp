@@ -147,7 +147,7 @@ void check_first(const std::string& source, const PointScan& scan,
   }
 }
 
-/// Leaves out times of points that are too coarse for the motion within a scan.
+/// Leaves out times of points that are too coarse to give the motion within a scan.
 void leave_out_times(PointScan& scan, bool deskew, ImportReport& report) {
   const size_t times = deskew ? coarse_times(scan) : 0;
   if (times == 0) return;

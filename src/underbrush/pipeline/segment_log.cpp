@@ -58,7 +58,7 @@ std::span<const Option<SegmentOptions>> segment_options() {
      [](O& o) -> auto& { return o.search.ground.method; }, -kNoLimit, kNoLimit,
      {"lower_envelope", "spherical_variance"}},
     {"min-range", "", "m",
-     "Leave out returns nearer than this; they may be on the own vehicle",
+     "Give no label to returns nearer than this; they may be on the own vehicle",
      [](O& o) -> auto& { return o.search.min_range_m; }, 0, 1000},
 
     {"tile", "Objects", "m", "Side of a tile of the ground segmentation",

@@ -38,7 +38,7 @@ std::span<const Option<SimulateOptions>> simulate_options() {
      "do; still = the same without sway; anew = a new draw for each beam",
      [](O& o) -> auto& { return o.matter; }, -kNoLimit, kNoLimit, {"once", "still", "anew"}},
     {"grain", "Matter", "m",
-     "Side of the cells within which matter is drawn as one; 0 = as in the model",
+     "Side of the cells within which matter is drawn as one, unless it is drawn anew; 0 = as in the model",
      [](O& o) -> auto& { return o.grain_m; }, 0, 100},
     {"tau", "Matter", "",
      "Mahalanobis distance within which a beam meets an ellipsoid; 0 = as in the model",
