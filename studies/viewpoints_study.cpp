@@ -10,6 +10,7 @@
 #include "studies/studies.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/metrics/always_hit.hpp"
+#include "underbrush/metrics/look_up.hpp"
 #include "underbrush/metrics/score.hpp"
 #include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
@@ -216,6 +217,7 @@ void add_view(const StudyRun& run, const View& view, const BeamLog& train,
     options.seed = run.seed;
     add(c.name, pipeline::simulate_log(c.model, view.beams, options));
   }
+  add("look-up", metrics::looked_up(train, view.beams, metrics::LookUp::kWarped2));
   add("always hit", metrics::always_hit(train, view.beams));
   const size_t misses =
       size_t(std::count(view.beams.range_m.begin(), view.beams.range_m.end(), kMiss));

@@ -45,7 +45,7 @@ def viewpoints(folder: typing.Any) -> typing.Iterator[tuple[str, str, list[float
     columns = {"transmission, %": ("transmission", 100), "capped error, m": ("capped_error_m", 1),
                "informedness": ("informedness", 1)}
     sources = {"truth": "truth", "default": "default", "voxel": "voxel", "mesh": "mesh", "carved mesh": "mesh, carved",
-               "always hit": "always hit"}
+               "look-up": "look-up", "always hit": "always hit"}
     only = {"truth": "transmission", "always hit": "capped_error_m"}  # Their other columns are the same for all views.
     for view, answers in figures(folder).items():
         for column, (key, unit) in columns.items():

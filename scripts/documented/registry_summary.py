@@ -44,7 +44,7 @@ VIEWS = {
            for source, row in SCENES.items()}},
     "summary-inside": {**looked_up("capped error, m: ", "capped error, m", INSIDE), **looked_up("informedness: ", "informedness", INSIDE),
                        **looked_up("F1 of misses: ", "F1 of misses", INSIDE)},
-    "summary-beyond": {**beyond("returns answered: ", "returns answered", PLACES),
+    "summary-beyond": {**beyond("informedness: ", "informedness", PLACES),
                        **beyond("capped error, m: ", "capped error, m", PLACES)},
     "summary-scenes": {(row, column): [("scenes", row, f"drive: {column}", 0)]
                        for row in ("primitives", "meshes (generated sites", "fit of the test log", "replay", "always hit")
