@@ -119,10 +119,17 @@ def options_of_fit():
     def part(number, row, fit, simulate):
         def cells(folder):
             s = read_json(folder / "scores.json")["models"]["model"]
-            for column in ("packet error, m", "F1", "cloud error, m", "median range error, m", "NLL", "CRPS"):
+            for column in ("capped error, m", "informedness", "packet error, m", "F1", "cloud error, m",
+                           "median range error, m", "NLL", "CRPS"):
                 yield row, column, [s[KEYS[column]]]
         return Part((score_job(f"options_of_fit.{number}", "kitti_0027_forest", fit, simulate),), cells)
-    return tuple(part(number, row, *words) for number, (row, words) in enumerate(rows.items()))
+
+    def baselines(folder):
+        for row, column, numbers in look_up(folder):
+            log, source = row.split("/")
+            if log == "kitti_0027_forest" and source in ("look-up, 2 scans", "always hit"):
+                yield source, column.replace("F1 of hits", "F1"), numbers
+    return (*(part(number, row, *words) for number, (row, words) in enumerate(rows.items())), Part((LOOK_UP,), baselines))
 
 
 # ------------------------------------------------------------------------------------------------- the studies
