@@ -7,10 +7,11 @@
 namespace underbrush::metrics {
 namespace {
 
-// Computes E|x + Z| − x = 2 (φ(x) − x Φ(−x)) for x ≥ 0 and a standard normal Z. It interpolates
-// values and slopes of a table by a cubic, with an error of 1e−11; beyond the table, which ends at
-// kEnd, the value is below 1e−15.
+// The end of the table of `excess`, beyond which the value is below 1e−15.
 constexpr size_t kEnd = 8;
+
+// Computes E|x + Z| − x = 2 (φ(x) − x Φ(−x)) for x ≥ 0 and a standard normal Z. It interpolates
+// values and slopes of a table by a cubic, with an error of 1e−11.
 double excess(double x) {
   constexpr size_t kPerUnit = 128;
   struct Table {

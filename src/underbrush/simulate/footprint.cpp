@@ -95,6 +95,7 @@ void scan(const trace::World& world, std::span<const elements::Class> label,
       return beam_key(options.seed, beams.scan[i], first_beam + i);
     };
     std::vector<Ray> rays;
+    rays.reserve((end - begin) * size_t(options.sub_rays));
     for (size_t i = begin; i < end; ++i) sub_rays.append(beams.ray(i), key_of(i), rays);
     std::vector<Intersection> met(rays.size()), hits;
     world.nearest_surface(rays, limits, met);
