@@ -34,8 +34,8 @@ build:    ## Build the program in Release: build/bin/underbrush
 test: setup    ## Build everything and pass all tests
 	@with=ON; python3 python/tests/environment.py maker --build $(BUILD) > /dev/null || with=OFF; \
 	  $(call quiet,$(configure) $(everything) -DUNDERBRUSH_PYTHON=$$with)
-	@cmake --build $(BUILD) -j $(JOBS)
-	@ctest --test-dir $(BUILD) --output-on-failure --progress -j $(JOBS)
+	@scripts/with_scratch.sh cmake --build $(BUILD) -j $(JOBS)
+	@scripts/with_scratch.sh ctest --test-dir $(BUILD) --output-on-failure --progress -j $(JOBS)
 
 fuzz: setup    ## Mutate inputs of every kind, 10 000 a kind (hours)
 	@$(call quiet,$(configure) $(everything))

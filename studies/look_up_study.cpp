@@ -67,20 +67,23 @@ void add_row(const std::string& log, const char* name, const metrics::Score& s,
 /// look-ups, m. Keeps their answers in `keep`, unless it is empty.
 double add_baselines(const std::string& log, const BeamLog& train, const BeamLog& test,
                      const fs::path& keep, report::Table& table, Json& figures) {
-  add_row(log, "always hit", score_of(test, metrics::always_hit(train, test)), table, figures);
+  const auto capped_error_of = [&](const char* name, const BeamLog& answered) {
+    const metrics::Score s = score_of(test, answered);
+    add_row(log, name, s, table, figures);
+    if (!keep.empty()) {
+      fs::create_directories(keep / log);
+      io::write_log(keep / log / (std::string(name) + ".ply"), answered, "{}");
+    }
+    return s.all.capped_error_m;
+  };
+  capped_error_of("always hit", metrics::always_hit(train, test));
   const std::pair<const char*, metrics::LookUp> ways[] = {
       {"look-up, raw", metrics::LookUp::kRaw},
       {"look-up, 1 scan", metrics::LookUp::kWarped1},
       {"look-up, 2 scans", metrics::LookUp::kWarped2}};
   double best = INFINITY;
   for (const auto& [name, kind] : ways) {
-    const BeamLog answered = metrics::looked_up(train, test, kind);
-    const metrics::Score s = score_of(test, answered);
-    best = std::min(best, s.all.capped_error_m);
-    add_row(log, name, s, table, figures);
-    if (keep.empty()) continue;
-    fs::create_directories(keep / log);
-    io::write_log(keep / log / (std::string(name) + ".ply"), answered, "{}");
+    best = std::min(best, capped_error_of(name, metrics::looked_up(train, test, kind)));
   }
   return best;
 }

@@ -94,7 +94,7 @@ metrics::Summary score_on(const elements::Model& model, const BeamLog& test, uin
   pipeline::Simulation simulation(world, options);
   const BeamLog answered = pipeline::simulate_log(simulation, test);
   MemorySource real(test), simulated(answered);
-  return pipeline::score_logs(real, simulated, &world, true).all;
+  return pipeline::score_log(real, simulated, &world).all;
 }
 
 // By the lidar that the model was learnt from.
@@ -113,7 +113,7 @@ Scores baselines_on(const std::map<std::string, SensorLogs>& logs, const std::st
   const SensorLogs& own = logs.at(to);
   const auto scored = [&](const BeamLog& answered) {
     MemorySource real(own.test), simulated(answered);
-    return pipeline::score_logs(real, simulated, nullptr, true).all;
+    return pipeline::score_log(real, simulated, nullptr).all;
   };
   Scores out;
   for (const auto& [from, learnt] : logs) {

@@ -8,6 +8,7 @@
 
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/export.hpp"
+#include "underbrush/metrics/always_hit.hpp"
 #include "underbrush/pipeline/fit_model.hpp"
 
 namespace underbrush::studies {
@@ -62,9 +63,13 @@ TargetScores score_target(const StudyRun& run, const StaticScan& scan,
                           const std::function<void(elements::Model&)>& change) {
   using metrics::BearingRangeHistogram;
   TargetScores out{scan.target, scan.porous, scan.directions, scan.train.size(), scan.test.size(),
-                   0,           {}};
+                   {},          {}};
   const BearingRangeHistogram real = histogram_of(scan, scan.test);
-  out.lookup = bhattacharyya_distance(real, histogram_of(scan, without_margin(scan)));
+  const BeamLog known = without_margin(scan);
+  out.baselines = {
+      {"look-up", bhattacharyya_distance(real, histogram_of(scan, known))},
+      {"always hit",
+       bhattacharyya_distance(real, histogram_of(scan, metrics::always_hit(known, scan.test)))}};
   std::map<std::string, BearingRangeHistogram> simulated;
   elements::Model model;
   StaticScore score;
@@ -107,18 +112,20 @@ report::Table distance_table(const std::vector<Contender>& contenders,
       "D = −ln Σ √(p q) over laser × bearing × range bins of 0.09° × 2 mm and a no-return bin, all "
       "lasers normalised together. Default: as simulate answers; all others: drawn anew for each "
       "beam, as in the paper. Published: real targets of Deschaud et al. 2012; ours are generated. "
-      "Look-up: the training fifth as the simulation. Axis, cone: where the ray is drawn.";
+      "Look-up: the training fifth as the simulation. Always hit: each beam at the median range of "
+      "its laser in that fifth. Axis, cone: where the ray is drawn.";
   table.head = {"model"};
   std::vector<std::string> surface{"published surface"}, volumetric{"published volumetric"},
-      lookup{"look-up"};
+      look_up{"look-up"}, always_hit{"always hit"};
   for (const TargetScores& t : targets) {
     const Published& p = published(t.target);
     table.head.emplace_back(p.title);
     surface.push_back(fmt::format("{:.3f}", p.surface));
     volumetric.push_back(fmt::format("{:.3f}", p.volumetric));
-    lookup.push_back(fmt::format("{:.4f}", t.lookup));
+    look_up.push_back(fmt::format("{:.4f}", t.baselines.at("look-up")));
+    always_hit.push_back(fmt::format("{:.4f}", t.baselines.at("always hit")));
   }
-  table.rows = {surface, volumetric, lookup};
+  table.rows = {surface, volumetric, look_up, always_hit};
   for (const Contender& c : contenders) {
     table.rows.push_back({c.name});
     for (const TargetScores& t : targets) {
@@ -152,7 +159,7 @@ Json json_of(const TargetScores& t) {
   Json out{{"directions", t.directions},
            {"train_beams", t.train_beams},
            {"test_beams", t.test_beams},
-           {"lookup", t.lookup}};
+           {"baselines", t.baselines}};
   for (const auto& [name, s] : t.scores) {
     out["models"][name] = {{"distance", std::isfinite(s.distance) ? Json(s.distance) : Json()},
                            {"mean_of_lasers", s.mean_of_lasers},

@@ -45,7 +45,9 @@ struct TargetScores {
   std::string target;
   bool porous = true;
   size_t directions = 0, train_beams = 0, test_beams = 0;
-  double lookup = 0;  ///< Distance of the training fifth itself, as a table of measurements.
+  /// Distances of "look-up", the training fifth itself, and of "always hit", the median range of
+  /// each laser in it.
+  std::map<std::string, double> baselines;
   std::map<std::string, StaticScore> scores;  ///< By contender.
 };
 

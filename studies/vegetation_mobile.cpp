@@ -36,7 +36,7 @@ MobileScore score_log(Contender c, const fs::path& folder, uint64_t seed) {
   pipeline::Simulation simulation(world, options);
   const BeamLog answered = pipeline::simulate_log(simulation, test);
   MemorySource simulated(answered);
-  out.all = pipeline::score_logs(test, simulated, &world, false).all;
+  out.all = pipeline::score_log(test, simulated, &world, {.cloud = false}).all;
   return out;
 }
 

@@ -13,6 +13,7 @@
 #include "studies/vegetation.hpp"
 #include "underbrush/elements/classes.hpp"
 #include "underbrush/io/log_file.hpp"
+#include "underbrush/metrics/always_hit.hpp"
 #include "underbrush/metrics/look_up.hpp"
 #include "underbrush/metrics/repeats.hpp"
 #include "underbrush/metrics/scan_pairs.hpp"
@@ -65,7 +66,10 @@ struct Answered {
 };
 
 std::vector<Answered> answers(const StudyRun& run, const BeamLog& train, const BeamLog& test) {
-  std::vector<Answered> out{{"look-up", metrics::looked_up(train, test, metrics::LookUp::kRaw)}};
+  std::vector<Answered> out{
+      {"look-up, raw", metrics::looked_up(train, test, metrics::LookUp::kRaw)},
+      {"look-up, 2 scans", metrics::looked_up(train, test, metrics::LookUp::kWarped2)},
+      {"always hit", metrics::always_hit(train, test)}};
   for (Contender c : mobile_contenders(run.seed)) {
     run.say("  " + c.name);
     c.fit.min_range_m = kVehicleM;
@@ -189,7 +193,7 @@ void add_repeated_logs(const StudyRun& run, StudyResult& result) {
                labelled.extra.at("class"));
     for (const Answered& a : answers(run, train, test)) {
       const std::vector<Repeats> targets = repeats_of(test, a.log, label);
-      if (a.name == "look-up") {
+      if (a.name == "look-up, raw") {
         std::vector<Repeats> floor = targets;
         for (Repeats& r : floor) {
           r.distance = r.floor;

@@ -163,8 +163,7 @@ struct Part {
   std::string title, note;
   fs::path test;
   std::vector<Candidate> candidates;
-  std::vector<metrics::Score> scores;
-  std::vector<metrics::Baseline> baselines;
+  pipeline::Scores scores;
   Json results;
 
   report::Comparison comparison() const {
@@ -172,9 +171,7 @@ struct Part {
     for (const Candidate& m : candidates) c.simulated.push_back({m.name, m.log});
     return c;
   }
-  std::string table() const {
-    return title + "\n" + table_of_scores(candidates, scores, baselines);
-  }
+  std::string table() const { return title + "\n" + text_of_scores(scores); }
 };
 
 /// Answers the beams of a log as `simulate` does without options, and returns their number.
@@ -196,7 +193,6 @@ size_t simulate_like(const Verb& verb, const elements::Model& model, BeamSource&
 void fit_and_score(const Verb& verb, const Diary& say, const fs::path& folder, Part& part) {
   const fs::path train = folder / "train.ply";
   part.test = folder / "test.ply";
-  std::vector<std::string> names;
   std::vector<fs::path> inputs{part.test};
   for (const char* fitter : {"likelihood", "surface"}) {
     fit::FitOptions options;
@@ -216,14 +212,11 @@ void fit_and_score(const Verb& verb, const Diary& say, const fs::path& folder, P
                     m.ellipsoids.size(), m.ground.size() + m.surface.size(), fitted.seconds,
                     simulated));
     part.candidates.push_back({fitter, log, model});
-    names.push_back(fitter);
     inputs.push_back(log);
   }
-  part.scores = score_logs(part.test, part.candidates, true);
-  part.baselines = score_baselines(part.test, train);
+  part.scores = score_logs(part.test, train, part.candidates);
   inputs.push_back(train);
-  part.results =
-      pipeline::json_of_scores(names, part.scores, part.baselines, provenance(verb, inputs));
+  part.results = pipeline::json_of_scores(part.scores, provenance(verb, inputs));
 }
 
 Part site_part(const Verb& verb, const Diary& say, const Arguments& a) {
@@ -232,7 +225,7 @@ Part site_part(const Verb& verb, const Diary& say, const Arguments& a) {
   const size_t beams = scan_site(verb, a, folder / "train.ply", folder / "test.ply");
   say(fmt::format("scanned the site with {}: {} beams; even scans train, odd scans are held out",
                   a.sensor, beams));
-  Part part{"Synthetic: a generated site", kSynthetic, {}, {}, {}, {}, {}};
+  Part part{"Synthetic: a generated site", kSynthetic, {}, {}, {}, {}};
   fit_and_score(verb, say, folder, part);
   say("scored on the held-out scans");
   return part;
@@ -244,7 +237,7 @@ Part real_part(const Verb& verb, const Diary& say, const fs::path& scan, const f
   const size_t beams = import_example(verb, scan, folder);
   say(fmt::format("imported {}: {} beams; even columns train, odd columns are held out",
                   scan.filename().string(), beams));
-  Part part{"Real: one scan under trees", kReal, {}, {}, {}, {}, {}};
+  Part part{"Real: one scan under trees", kReal, {}, {}, {}, {}};
   fit_and_score(verb, say, folder, part);
   say("scored on the held-out columns");
   return part;

@@ -101,19 +101,16 @@ void run(const Verb& verb, const Arguments& a) {
             "score: --model, --train and --repeats are for logs of the same beams, not for clouds");
     return score_clouds(verb, a, candidates);
   }
-  const std::vector<metrics::Score> scores = score_logs(a.real, candidates, true, a.options.memory);
-  const std::vector<metrics::Baseline> baselines = score_baselines(a.real, a.train);
+  const pipeline::Scores scores = score_logs(a.real, a.train, candidates, a.options);
   inputs.emplace_back(a.train);
-  Json results = pipeline::json_of_scores(names, scores, baselines, provenance(verb, inputs));
-  std::string text = table_of_scores(candidates, scores, baselines);
+  const Json results = pipeline::json_of_scores(scores, provenance(verb, inputs));
+  std::string text = text_of_scores(scores);
   text += fmt::format("always hit: each beam returns at the median range of its ring in {}\n",
                       fs::path(a.train.empty() ? a.real : a.train).filename().string());
-  if (scores[0].mover_beams > 0) {
-    text +=
-        fmt::format("left out: {} beams that met something that moved\n", scores[0].mover_beams);
+  if (const size_t movers = scores.simulated[0].score.mover_beams; movers > 0) {
+    text += fmt::format("left out: {} beams that met something that moved\n", movers);
   }
-  text += score_protocols({!a.options.protocol.empty(), a.options.repeats}, a.real, a.train,
-                          candidates, results);
+  text += text_of_protocols(scores);
   if (!a.report.empty()) {
     std::vector<report::Comparison::Simulated> logs;
     logs.reserve(candidates.size());

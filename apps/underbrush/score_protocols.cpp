@@ -2,11 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "underbrush/core/check.hpp"
-#include "underbrush/io/log_file.hpp"
-#include "underbrush/metrics/range_image.hpp"
-#include "underbrush/metrics/repeats.hpp"
-#include "underbrush/pipeline/score_json.inl"
+#include <optional>
+#include <vector>
 
 namespace underbrush::app {
 namespace {
@@ -54,42 +51,20 @@ std::string text_of(const Row<Scores> (&rows)[n], const std::vector<Scores>& sco
   return text;
 }
 
-/// The logs that a protocol compares, and where the results go.
-struct Compared {
-  const std::filesystem::path &real, &train;
-  const std::vector<Candidate>& candidates;
-  Json& results;
-
-  /// Calls `compare(real, simulated)` for each candidate and then for each baseline, and
-  /// `note(result, entry)` with its entry in the results. Returns what `compare` returned.
-  template <class Compare, class Note>
-  auto each(const Compare& compare, const Note& note) const {
-    std::vector<decltype(compare(std::declval<BeamSource&>(), std::declval<BeamSource&>()))> out;
-    for (const Candidate& c : candidates) {
-      io::BeamReader real_log(real), simulated(c.log);
-      try {
-        out.push_back(compare(real_log, simulated));
-      } catch (const DataError& e) {
-        throw FormatError(c.log.string(), "", e.what());
-      }
-      note(out.back(), results["models"][c.name]);
+/// The scores that each log and baseline has of one protocol.
+template <class Scores>
+std::vector<Scores> each(const pipeline::Scores& scores,
+                         std::optional<Scores> pipeline::LogScore::*protocol) {
+  std::vector<Scores> out;
+  for (const auto* part : {&scores.simulated, &scores.baselines}) {
+    for (const pipeline::LogScore& s : *part) {
+      if (s.*protocol) out.push_back(*(s.*protocol));
     }
-    metrics::answer_by_baselines(
-        opener(real), opener(train),
-        [&](const std::string& name, BeamSource& truth, BeamSource& simulated) {
-          out.push_back(compare(truth, simulated));
-          note(out.back(), results["baselines"][name]);
-        });
-    return out;
   }
-};
+  return out;
+}
 
-std::string score_images(const Compared& logs) {
-  const std::vector<ProtocolScores> scores =
-      logs.each([](BeamSource& a, BeamSource& b) { return metrics::range_image_scores(a, b); },
-                [](const ProtocolScores& s, Json& entry) {
-                  entry["kitti360"] = pipeline::json_of_range_images(s);
-                });
+std::string text_of_images(const std::vector<ProtocolScores>& scores) {
   std::vector<ImageScores> means;
   means.reserve(scores.size());
   for (const ProtocolScores& s : scores) means.push_back(s.mean);
@@ -100,10 +75,7 @@ std::string score_images(const Compared& logs) {
          text_of(kImageRows, means);
 }
 
-std::string score_repeats(const Compared& logs) {
-  const std::vector<Repeats> scores = logs.each(
-      [](BeamSource& a, BeamSource& b) { return metrics::repeats(a, b); },
-      [](const Repeats& s, Json& entry) { entry["repeats"] = pipeline::json_of_repeats(s); });
+std::string text_of_repeats(const std::vector<Repeats>& scores) {
   std::string text = fmt::format(
       "repeats: {} scans; median difference of a direction's range between successive scans, and\n"
       "    Bhattacharyya distance over ring x bearing x range bins of 0.2 degrees x 5 cm\n",
@@ -118,13 +90,12 @@ std::string score_repeats(const Compared& logs) {
 
 }  // namespace
 
-std::string score_protocols(const Protocols& asked, const std::filesystem::path& real,
-                            const std::filesystem::path& train,
-                            const std::vector<Candidate>& candidates, Json& results) {
-  const Compared logs{real, train, candidates, results};
+std::string text_of_protocols(const pipeline::Scores& scores) {
   std::string text;
-  if (asked.kitti360) text += score_images(logs);
-  if (asked.repeats) text += score_repeats(logs);
+  const auto images = each(scores, &pipeline::LogScore::kitti360);
+  if (!images.empty()) text += text_of_images(images);
+  const auto repeats = each(scores, &pipeline::LogScore::repeats);
+  if (!repeats.empty()) text += text_of_repeats(repeats);
   return text;
 }
 

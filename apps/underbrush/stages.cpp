@@ -4,12 +4,12 @@
 
 #include <cmath>
 #include <functional>
+#include <optional>
 
 #include "cli/progress.hpp"
 #include "report/intensity_table.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/log_file.hpp"
-#include "underbrush/pipeline/score_logs.hpp"
 
 namespace underbrush::app {
 namespace fs = std::filesystem;
@@ -40,49 +40,43 @@ void add_report_option(Verb& verb, std::string& folder) {
       ->type_name("DIR");
 }
 
-std::vector<metrics::Score> score_logs(const fs::path& real,
-                                       const std::vector<Candidate>& candidates, bool cloud,
-                                       const std::string& memory) {
-  io::BeamReader real_log(real);
-  std::vector<metrics::Score> scores;
+pipeline::Scores score_logs(const fs::path& real, const fs::path& train,
+                            const std::vector<Candidate>& candidates,
+                            const pipeline::ScoreOptions& options) {
+  const auto opened = [](const fs::path& log) -> metrics::OpenLog {
+    if (log.empty()) return {};
+    return [log] { return std::make_unique<io::BeamReader>(log); };
+  };
+  pipeline::ScoreInput input{opened(real), opened(train), {}};
   for (const Candidate& c : candidates) {
-    io::BeamReader simulated(c.log);
-    std::unique_ptr<pipeline::TracedWorld> world;
-    if (!c.model.empty()) {
-      world = std::make_unique<pipeline::TracedWorld>(pipeline::open_world(c.model));
-    }
-    Progress progress("score " + c.name);
-    try {
-      scores.push_back(pipeline::score_logs(real_log, simulated, world.get(), cloud,
-                                            std::ref(progress), memory));
-    } catch (const DataError& e) {
-      throw FormatError(c.log.string(), "", e.what());
-    }
+    input.simulated.push_back({c.name, c.log.string(), opened(c.log), {}});
+    if (c.model.empty()) continue;
+    input.simulated.back().world = [&c] {
+      return std::make_shared<const pipeline::TracedWorld>(pipeline::open_world(c.model));
+    };
   }
-  return scores;
+  std::optional<Progress> progress;
+  return pipeline::score_logs(
+      input, options,
+      [&, shown = std::string()](const std::string& name, size_t done, size_t total) mutable {
+        if (!progress || shown != name) progress.emplace("score " + (shown = name));
+        (*progress)(done, total);
+      });
 }
 
-metrics::OpenLog opener(const fs::path& log) {
-  if (log.empty()) return {};
-  return [log] { return std::make_unique<io::BeamReader>(log); };
-}
-
-std::vector<metrics::Baseline> score_baselines(const fs::path& real, const fs::path& train) {
-  return metrics::score_baselines(opener(real), opener(train));
-}
-
-std::string table_of_scores(const std::vector<Candidate>& candidates,
-                            const std::vector<metrics::Score>& simulated,
-                            const std::vector<metrics::Baseline>& baselines) {
+std::string text_of_scores(const pipeline::Scores& all) {
   using metrics::Score, metrics::Summary;
-  std::vector<Score> scores = simulated;
-  std::string text = fmt::format("  {:<24}", fmt::format("{} beams", scores.at(0).all.beams));
-  for (const Candidate& c : candidates) text += fmt::format("{:>14}", c.name);
-  for (const metrics::Baseline& b : baselines) {
-    text += fmt::format("{:>14}", b.name);
-    scores.push_back(b.score);
+  std::vector<Score> simulated, scores;
+  std::string names;
+  for (const auto* part : {&all.simulated, &all.baselines}) {
+    for (const pipeline::LogScore& s : *part) {
+      scores.push_back(s.score);
+      names += fmt::format("{:>14}", s.name);
+    }
+    if (part == &all.simulated) simulated = scores;
   }
-  text += "\n";
+  std::string text =
+      fmt::format("  {:<24}{}\n", fmt::format("{} beams", scores.at(0).all.beams), names);
   text += row("recall of misses", scores, &Summary::recall_of_misses, 4);
   text += row("precision of misses", scores, &Summary::precision_of_misses, 4);
   text += row("F1 of misses", scores, &Summary::f1_of_misses, 4);

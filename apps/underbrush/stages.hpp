@@ -5,8 +5,7 @@
 #include <vector>
 
 #include "cli/verb.hpp"
-#include "underbrush/metrics/baselines.hpp"
-#include "underbrush/regions/open_regions.hpp"
+#include "underbrush/pipeline/score_logs.hpp"
 
 namespace underbrush::app {
 
@@ -15,21 +14,14 @@ struct Candidate {
   std::string name;
   std::filesystem::path log, model;  ///< `model` may be a scene or a world of regions.
 };
-/// Scores each candidate against the real log, a world of regions within `memory`.
-std::vector<metrics::Score> score_logs(const std::filesystem::path& real,
-                                       const std::vector<Candidate>& candidates, bool cloud,
-                                       const std::string& memory = regions::kMemory);
+/// Scores each candidate and the baselines against the real log, with progress. `train`, the log
+/// that the models were fitted to, may be empty.
+pipeline::Scores score_logs(const std::filesystem::path& real, const std::filesystem::path& train,
+                            const std::vector<Candidate>& candidates,
+                            const pipeline::ScoreOptions& options = {});
 
-/// Returns a function that opens a log; an empty one for an empty path.
-metrics::OpenLog opener(const std::filesystem::path& log);
-/// Scores the baselines on the beams of the real log; `train` may be empty.
-std::vector<metrics::Baseline> score_baselines(const std::filesystem::path& real,
-                                               const std::filesystem::path& train);
-
-/// Returns the scores of candidates and of baselines side by side as text.
-std::string table_of_scores(const std::vector<Candidate>& candidates,
-                            const std::vector<metrics::Score>& scores,
-                            const std::vector<metrics::Baseline>& baselines);
+/// Returns the scores of simulated logs and baselines side by side as text.
+std::string text_of_scores(const pipeline::Scores& scores);
 
 /// Adds the option for the folder of a report.
 void add_report_option(Verb& verb, std::string& folder);

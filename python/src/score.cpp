@@ -26,8 +26,8 @@ namespace {
 using metrics::Summary;
 
 /// The scores of a simulation, and those of the baselines on the same beams.
-struct ScoreValue : metrics::Score {
-  std::vector<metrics::Baseline> baselines;
+struct ScoreValue : pipeline::LogScore {
+  std::vector<pipeline::LogScore> baselines;
 };
 
 /// A log that is watched while it is read.
@@ -40,14 +40,9 @@ class WatchedLog : public WatchedSource {
   std::unique_ptr<BeamSource> log_;
 };
 
-/// Runs `work`; what it finds wrong with the simulated log gets the name of its file.
-void name_file_of(const GivenLog& simulated, const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const DataError& e) {
-    if (!std::holds_alternative<std::filesystem::path>(simulated)) throw;
-    throw FormatError(name_of(simulated), "", e.what());
-  }
+/// The name of a log in errors; empty for one in memory.
+std::string name_of_file(const GivenLog& log) {
+  return std::holds_alternative<std::filesystem::path>(log) ? name_of(log) : "";
 }
 
 std::string clouds_compared(const GivenLog& real, const GivenLog& simulated,
@@ -55,58 +50,54 @@ std::string clouds_compared(const GivenLog& real, const GivenLog& simulated,
   std::string out;
   run_watched(progress, [&](const Hook& hook) {
     const auto a = source_of(real), b = source_of(simulated);
-    name_file_of(simulated, [&] {
+    try {
       out = pipeline::json_of_cloud_scores(pipeline::score_clouds(*a, *b, of_stage(hook, "score")))
                 .dump();
-    });
-  });
-  return out;
-}
-
-std::string scans_compared(const GivenLog& real, const GivenLog& simulated,
-                           const std::string& protocol, const nb::object& progress) {
-  require(protocol == "kitti360" || protocol == "repeats",
-          "compare_scans: the protocol is kitti360 or repeats");
-  std::string out;
-  run_watched(progress, [&](const Hook& hook) {
-    WatchedLog a(source_of(real), hook), b(source_of(simulated), hook);
-    name_file_of(simulated, [&] {
-      out = (protocol == "repeats"
-                 ? pipeline::json_of_repeats(metrics::repeats(a, b))
-                 : pipeline::json_of_range_images(metrics::range_image_scores(a, b)))
-                .dump();
-    });
+    } catch (const DataError& e) {
+      if (name_of_file(simulated).empty()) throw;
+      throw FormatError(name_of_file(simulated), "", e.what());
+    }
   });
   return out;
 }
 
 ScoreValue scored(const GivenLog& real, const GivenLog& simulated,
                   const std::optional<GivenWorld>& model, const std::optional<GivenLog>& train,
-                  bool cloud, const pipeline::ScoreOptions& options, const nb::object& progress) {
-  ScoreValue out;
+                  bool cloud, pipeline::ScoreOptions options, const nb::object& progress) {
+  options.cloud = cloud;
+  pipeline::Scores scores;
   run_watched(progress, [&](const Hook& hook) {
     const auto opened = [&hook](const GivenLog& log) -> metrics::OpenLog {
       return [&hook, &log] { return std::make_unique<WatchedLog>(source_of(log), hook); };
     };
-    const auto a = source_of(real), b = source_of(simulated);
+    pipeline::SimulatedLog log{
+        "", name_of_file(simulated), [&] { return source_of(simulated); }, {}};
     std::optional<PreparedWorld> world;
-    if (model) world.emplace(*model, SimulateOptions());
-    name_file_of(simulated, [&] {
-      static_cast<metrics::Score&>(out) =
-          pipeline::score_logs(*a, *b, world ? &world->world() : nullptr, cloud,
-                               of_stage(hook, "score"), options.memory);
-    });
-    out.baselines =
-        metrics::score_baselines(opened(real), train ? opened(*train) : metrics::OpenLog());
+    if (model) {
+      world.emplace(*model, SimulateOptions());
+      log.world = [&] {
+        return std::shared_ptr<const pipeline::TracedWorld>(&world->world(), [](auto) {});
+      };
+    }
+    scores = pipeline::score_logs(
+        {opened(real), train ? opened(*train) : metrics::OpenLog(), {std::move(log)}}, options);
   });
-  return out;
+  return {std::move(scores.simulated.at(0)), std::move(scores.baselines)};
 }
 
 nlohmann::ordered_json json_of(const std::vector<std::string>& names,
-                               const std::vector<ScoreValue>& scores,
+                               const std::vector<ScoreValue>& values,
                                const std::string& provenance) {
-  return pipeline::json_of_scores(names, {scores.begin(), scores.end()}, scores.at(0).baselines,
-                                  provenance);
+  pipeline::Scores scores{{values.begin(), values.end()}, values.at(0).baselines};
+  for (size_t k = 0; k < values.size(); ++k) scores.simulated[k].name = names[k];
+  return pipeline::json_of_scores(scores, provenance);
+}
+
+/// A dict of the scores of a protocol; None where it was not asked for.
+nb::object protocol_of(const ScoreValue& s, const char* name) {
+  const nlohmann::ordered_json j = pipeline::json_of_log_score(s);
+  if (!j.contains(name)) return nb::none();
+  return nb::module_::import_("json").attr("loads")(j[name].dump());
 }
 
 }  // namespace
@@ -149,47 +140,64 @@ void bind_score(nb::module_& m) {
         return nb::str(nb::str("Summary({} beams, capped error {:.3f} m, informedness {:.4f})")
                            .attr("format")(s.beams, s.capped_error_m, s.informedness));
       });
-  // The protocols are functions of their own: compare_scans and compare_clouds.
   bind_options<pipeline::ScoreOptions>(m, "ScoreOptions", "score",
-                                       [] { return pipeline::score_options().first(1); });
+                                       [] { return pipeline::score_options(); });
   using S = ScoreValue;
   nb::class_<S>(m, "Score", "The scores of a simulation.")
-      .def_ro("all", &S::all, "Of all beams.")
-      .def_ro("per_class", &S::per_class,
-              "By the real log's column `class`; reading this makes a dict.")
-      .def_ro("per_range", &S::per_range, "By real range; reading this makes a dict.")
-      .def_ro("per_support", &S::per_support,
-              "By the share of a beam's outcome that rests on observed space: 'observed' (at least "
-              "0.9), 'partly' and 'unknown' (below 0.5); empty for a model without a map of "
-              "observed space. Reading this makes a dict.")
       .def_prop_ro(
-          "calibration_error", [](const S& s) { return s.reliability.error(); },
+          "all", [](const S& s) -> const auto& { return s.score.all; }, "Of all beams.")
+      .def_prop_ro(
+          "per_class", [](const S& s) -> const auto& { return s.score.per_class; },
+          "By the real log's column `class`; reading this makes a dict.")
+      .def_prop_ro(
+          "per_range", [](const S& s) -> const auto& { return s.score.per_range; },
+          "By real range; reading this makes a dict.")
+      .def_prop_ro(
+          "per_support", [](const S& s) -> const auto& { return s.score.per_support; },
+          "By the share of a beam's outcome that rests on observed space: 'observed' (at least "
+          "0.9), 'partly' and 'unknown' (below 0.5); empty for a model without a map of "
+          "observed space. Reading this makes a dict.")
+      .def_prop_ro(
+          "calibration_error", [](const S& s) { return s.score.reliability.error(); },
           "Mean distance, over beams, of the predicted probability of a return from the share that "
           "returned, in bins of 5 %; NaN without a model.")
       .def_prop_ro(
-          "calibration_bias", [](const S& s) { return s.reliability.bias(); },
+          "calibration_bias", [](const S& s) { return s.score.reliability.bias(); },
           "Mean predicted probability of a return minus the share that returned.")
-      .def_ro("roughness_m", &S::roughness_m, "m; roughness along the rings of the simulated log.")
-      .def_ro("real_roughness_m", &S::real_roughness_m, "m; that of the real log.")
+      .def_prop_ro(
+          "roughness_m", [](const S& s) -> const auto& { return s.score.roughness_m; },
+          "m; roughness along the rings of the simulated log.")
+      .def_prop_ro(
+          "real_roughness_m", [](const S& s) -> const auto& { return s.score.real_roughness_m; },
+          "m; that of the real log.")
       .def_prop_ro(
           "baselines",
           [](const S& s) {
             std::map<std::string, S> out;
-            for (const metrics::Baseline& b : s.baselines) out[b.name] = {b.score, {}};
+            for (const pipeline::LogScore& b : s.baselines) out[b.name] = {b, {}};
             return out;
           },
           "Scores of what a simulator must beat, by name.")
+      .def_prop_ro(
+          "kitti360", [](const S& s) { return protocol_of(s, "kitti360"); },
+          nb::sig("def kitti360(self) -> dict[str, typing.Any] | None"),
+          "Scores of range images, as learned simulators are scored; None without the option "
+          "`protocol='kitti360'`.")
+      .def_prop_ro(
+          "repeats", [](const S& s) { return protocol_of(s, "repeats"); },
+          nb::sig("def repeats(self) -> dict[str, typing.Any] | None"),
+          "Comparison of the scans that were recorded from one place; None without the option "
+          "`repeats`.")
       .def("__repr__", [](const S& s) {
         return nb::str(nb::str("Score({} beams, capped error {:.3f} m, informedness {:.4f})")
-                           .attr("format")(s.all.beams, s.all.capped_error_m, s.all.informedness));
+                           .attr("format")(s.score.all.beams, s.score.all.capped_error_m,
+                                           s.score.all.informedness));
       });
   m.def("score", &scored, "real"_a, "simulated"_a, "model"_a.none(), "train"_a.none(), "cloud"_a,
         "options"_a, "progress"_a.none(),
         "Compares a simulated log with the real log of the same beams.");
   m.def("compare_clouds", &clouds_compared, "real"_a, "simulated"_a, "progress"_a.none(),
         "Compares two logs that share no beams as point clouds, and returns the scores as JSON.");
-  m.def("compare_scans", &scans_compared, "real"_a, "simulated"_a, "protocol"_a,
-        "progress"_a.none(), "Compares the scans of two logs, and returns the scores as JSON.");
   m.def(
       "write_score_report",
       [](const std::filesystem::path& folder, const std::filesystem::path& real,

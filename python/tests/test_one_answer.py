@@ -153,14 +153,26 @@ def test_compare_clouds(run: Callable[..., str], folder: pathlib.Path) -> None:
         underbrush.compare_clouds(folder / "train.ply", empty)
 
 
-@pytest.mark.parametrize("protocol, words", [("kitti360", ["--protocol", "kitti360"]), ("repeats", ["--repeats"])])
-def test_compare_scans(run: Callable[..., str], folder: pathlib.Path, protocol: str, words: list[str]) -> None:
+@pytest.mark.parametrize("protocol, words, options", [("kitti360", ["--protocol", "kitti360"], {"protocol": "kitti360"}),
+                                                      ("repeats", ["--repeats"], {"repeats": True})])
+def test_protocols_of_score(run: Callable[..., str], folder: pathlib.Path, protocol: str, words: list[str],
+                            options: dict[str, Any]) -> None:
     run("simulate", folder / "model", "--like", folder / "test.ply", "-o", folder / "sim.ply", "--force")
-    printed = json.loads(run("score", folder / "test.ply", folder / "sim.ply", *words, "--json", "-"))
-    found = underbrush.compare_scans(folder / "test.ply", underbrush.read_log(folder / "sim.ply"), protocol)
-    assert found == printed["models"]["sim"][protocol] and found["scans"] > 0
-    with pytest.raises(ValueError, match="kitti360 or repeats"):
-        underbrush.compare_scans(folder / "test.ply", folder / "sim.ply", "other")  # type: ignore[arg-type]
+    printed = json.loads(run("score", folder / "test.ply", folder / "sim.ply", "--train", folder / "train.ply", *words,
+                             "--json", "-"))
+    score = underbrush.score(folder / "test.ply", underbrush.read_log(folder / "sim.ply"), train=folder / "train.ply",
+                             **options)
+    assert getattr(score, protocol) == printed["models"]["sim"][protocol] and getattr(score, protocol)["scans"] > 0
+    for name, baseline in score.baselines.items():
+        assert getattr(baseline, protocol) == printed["baselines"][name][protocol]
+    assert underbrush.score(folder / "test.ply", folder / "sim.ply").kitti360 is None
+
+
+def test_score_refuses_the_protocol_of_other_beams(folder: pathlib.Path) -> None:
+    with pytest.raises(ValueError, match="compare_clouds"):
+        underbrush.score(folder / "test.ply", folder / "sim.ply", protocol="clouds")
+    with pytest.raises(ValueError, match="'other'"):
+        underbrush.score(folder / "test.ply", folder / "sim.ply", protocol="other")
 
 
 def without_origin(value: object) -> object:

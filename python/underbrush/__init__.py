@@ -26,7 +26,7 @@ from underbrush.live import Lidar
 from underbrush.logs import ellipsoid_axes, log_from_columns
 from underbrush.results import MOVER, Imported, LearntActors, Marked, Segmentation, Split
 from underbrush.scenes import scene_from_models
-from underbrush.verbs import (actors, compare_clouds, compare_scans, compose, extract, fit, import_log, movers, optimize,
+from underbrush.verbs import (actors, compare_clouds, compose, extract, fit, import_log, movers, optimize,
                               perceive, report_of, score, segment, simulate, split)
 
 __version__ = version()
@@ -35,7 +35,7 @@ __all__ = [
     "BeamLog", "EllipsoidTable", "FormatError", "Imported", "LearntActors", "Lidar", "LogInfo", "LogReader",
     "LogWriter", "MOVER", "Marked", "Model", "ObjectLists", "Pose", "Primitives", "ScanInfo", "Scene", "Score",
     "Segmentation", "Sensor", "Split", "Summary", "Trajectory", "TriangleMesh", "Tuning", "__version__", "actors",
-    "beams", "class_names", "compare_clouds", "compare_scans", "compose", "ellipsoid_axes", "extract", "fit", "fitters",
+    "beams", "class_names", "compare_clouds", "compose", "ellipsoid_axes", "extract", "fit", "fitters",
     "import_log", "log_from_arrow", "log_from_columns", "movers", "optimize", "perceive", "read_log", "read_model",
     "read_scene", "read_trajectory", "report_of", "scene_from_models", "score", "segment", "sensors", "set_threads",
     "simulate", "split", "threads", "write_log", "write_model", "write_parquet", "write_primitives", "write_scene",

@@ -137,6 +137,12 @@ class ScoreParameters(TypedDict, total=False):
     """Options of `score`, as docs/reference/command-line.md lists them."""
 
     memory: str  #: Largest memory of the loaded regions of a world (default 2GiB).
+    #: Other scores: kitti360 adds scores of range images of 66 x 1030 pixels, by which learned simulators are
+    #: compared on KITTI-360; clouds compares logs that share no beams as point clouds.
+    protocol: str
+    #: Compare the scans that were recorded from one place: the change of ranges from scan to scan, and the distance
+    #: of their bearing x range histograms (default false).
+    repeats: bool
 
 
 class OptimizeParameters(FitParameters, total=False):

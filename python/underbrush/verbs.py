@@ -163,7 +163,8 @@ def score(real: Log, simulated: Log, *, model: World | None = None, train: Log |
     `cloud`, cloud error and density-aware Chamfer distance are left out. `Score.baselines` has the scores that a
     simulator must beat: those of "always hit", in which each beam returns at the median range of its ring, and with
     `train`, the log that the model was fitted to, those of "look-up", which takes the return of the nearest training
-    point for each beam. With `report`, a page of tables, plots and pictures is written into that folder. Raises
+    point for each beam. `options` are those of `underbrush score`: `protocol="kitti360"` fills `Score.kitti360`, and
+    `repeats=True` fills `Score.repeats`, as dicts of what `--json` writes. With `report`, a page of tables, plots and pictures is written into that folder. Raises
     `ValueError` (`FormatError` for files) where the beams differ in number, scan, ring or origin, and `OSError`.
     """
     real, simulated, train = _log(real), _log(simulated), None if train is None else _log(train)
@@ -186,20 +187,6 @@ def compare_clouds(real: Log, simulated: Log, *, progress: Progress | None = Non
     """
     with _shown(progress) as shown:
         scores: dict[str, Any] = json.loads(_core.compare_clouds(_log(real), _log(simulated), shown))
-    return scores
-
-
-def compare_scans(real: Log, simulated: Log, protocol: Literal["kitti360", "repeats"], *,
-                  progress: Progress | None = None) -> dict[str, Any]:
-    """Compares the scans of a simulated log with those of the real log of the same beams.
-
-    "kitti360" scores range images as learned simulators are scored; "repeats" compares scans recorded from one place,
-    and their ranges from scan to scan. Returns the values that `underbrush score --protocol kitti360 --json`, or
-    `--repeats --json`, writes for a log; a score without data is None. Raises `ValueError` (`FormatError` for files)
-    where the scans of the logs differ, and `OSError`.
-    """
-    with _shown(progress) as shown:
-        scores: dict[str, Any] = json.loads(_core.compare_scans(_log(real), _log(simulated), protocol, shown))
     return scores
 
 

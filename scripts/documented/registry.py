@@ -7,7 +7,7 @@ import pathlib
 import sys
 
 from . import light, matter, registry_bench, registry_evidence, registry_moving, registry_software, registry_summary
-from .common import HALVES, KEYS, LOGS, REAL_LOGS, STUDY, study
+from .common import BASELINES, HALVES, KEYS, LOGS, REAL_LOGS, STUDY, study
 from .jobs import Job, Measured, Part, read_json, read_rows
 from .tables import HEADING
 
@@ -58,9 +58,27 @@ def real_logs(models):
 
 
 def reliability(models):
+    """Calibration errors. A baseline predicts a return with probability 1 or 0, as it answers, and *constant* with the
+    share of returns of the training half."""
     def part(log, model):
         return Part((model_job(log, model),), lambda folder: [(log, model, [scores(folder)["calibration error"]])])
-    return tuple(part(log, model) for log in LOGS for model in models)
+
+    def beside(log):
+        def cells(folder):
+            compared = read_json(folder / "scores.json")["baselines"]
+            for name in BASELINES:
+                s = compared[name]
+                yield log, name, [(s["false_hits"] + s["false_misses"]) / s["beams"]]
+        return Part((compared_job(log),), cells)
+
+    def constant(log):
+        def cells(folder):
+            train, test = (read_json(folder / f"{half}.json") for half in ("train", "test"))
+            yield log, "constant", [abs(train["hits"] / train["beams"] - test["hits"] / test["beams"])]
+        job = Job(f"shares.{log}", "\n".join(f'underbrush info "$WORK/{log}/{half}.ply" --json {half}.json'
+                                             for half in ("train", "test")), (LOGS[log],), (HALVES[log],))
+        return Part((job,), cells)
+    return tuple(made for log in LOGS for made in (*(part(log, model) for model in models), beside(log), constant(log)))
 
 
 def fitters(models):
@@ -98,7 +116,13 @@ def tuning():
             for heading in ("packet error, m", "F1", "NLL/beam", "CRPS, m"):
                 yield log, heading, [before[heading], after[heading]]
         return Part((model_job(log, "default"), model_job(log, "tuned")), cells)
-    return tuple(part(log) for log in LOGS)
+
+    def beside(log):
+        def cells(folder):
+            for name, s in read_json(folder / "scores.json")["baselines"].items():
+                yield log, f"{name}, objective", [s[KEYS["packet error, m"]] + 2 * (1 - s[KEYS["F1"]])]
+        return Part((compared_job(log),), cells)
+    return tuple(made for log in LOGS for made in (part(log), beside(log)))
 
 
 def score_job(name, log, fit, simulate):
@@ -167,7 +191,8 @@ def vegetation(folder):
                                      "bottom_up", "hierarchical", "likelihood")}
     figures = read_json(folder / "study.json")["figures"]["static"]
     for column, target in targets.items():
-        yield "look-up", column, [figures[target]["lookup"]]
+        for baseline in BASELINES:
+            yield baseline, column, [figures[target]["baselines"][baseline]]
         for row, models in rows.items():
             yield row, column, [figures[target]["models"][model]["distance"] for model in models]
 

@@ -21,7 +21,7 @@ NAMES = (*MOVING, STANDING, "rellis_000104", "marv_forest")
 # name: (model of scripts/real_logs.py, options of `simulate`)
 MODELS = {"default": ("default", []), "default, anew": ("default", ["--matter", "anew"]), "surface": ("surface", []),
           "surface_carved": ("surface_carved", [])}
-LOOK_UPS = ("look-up, raw",)  # as the study look-up names them
+BASELINES = ("look-up, raw", "look-up, 2 scans", "always hit")  # as the study look-up names them
 OURS, DISTANT_M, OFF_M = "default", 30.0, 0.2
 MIXTURES = ("default, where off as the log", "default, distant and off as the log", "log, where off as the default")
 
@@ -97,10 +97,10 @@ def simulated(work: Work, name: str, source: str, test: Log) -> typing.Iterator[
         yield test.answered(np.load(kept))
 
 
-def looked_up(work: Work, name: str, test: Log) -> typing.Iterator[tuple[str, Log]]:
-    """The test beams as the look-ups answer them, which the program of studies beside `underbrush` makes."""
+def baselines(work: Work, name: str, test: Log) -> typing.Iterator[tuple[str, Log]]:
+    """The test beams as the baselines answer them, which the program of studies beside `underbrush` makes."""
     folder = work.folder / name
-    kept = {source: folder / "look-up" / name / f"{source}.ply" for source in LOOK_UPS}
+    kept = {source: folder / "look-up" / name / f"{source}.ply" for source in BASELINES}
     if not (work.reuse and all(path.exists() for path in kept.values())):
         alone = folder / "halves"
         alone.mkdir(exist_ok=True)
@@ -132,7 +132,7 @@ def answers(work: Work, name: str, test: Log) -> typing.Iterator[tuple[str, list
         yield source, logs_of_seeds
         if source == OURS and name in MOVING:
             yield from ((mix, [log]) for mix, log in mixed(test, logs_of_seeds[0]).items())
-    yield from ((source, [log]) for source, log in looked_up(work, name, test))
+    yield from ((source, [log]) for source, log in baselines(work, name, test))
 
 
 def half_of_beams(log: Log) -> list[Floats]:

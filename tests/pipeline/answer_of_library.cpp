@@ -43,10 +43,18 @@ void fit_to(const std::string& log, const std::string& output) {
 }
 
 void score_of(const std::string& real, const std::string& simulated, const std::string& model) {
-  io::BeamReader measured(real), answer(simulated);
-  const pipeline::TracedWorld world(pipeline::open_world(model));
-  const metrics::Score s = pipeline::score_logs(measured, answer, &world, true);
-  std::puts(pipeline::json_of_scores({"library"}, {s}, {}, "{}").dump().c_str());
+  const auto opened = [](const std::string& log) {
+    return [log] { return std::make_unique<io::BeamReader>(log); };
+  };
+  const pipeline::Scores scores = pipeline::score_logs(
+      {opened(real),
+       {},
+       {{"library", simulated, opened(simulated),
+         [&] {
+           return std::make_shared<const pipeline::TracedWorld>(pipeline::open_world(model));
+         }}}},
+      {});
+  std::puts(pipeline::json_of_scores(scores, "{}").dump().c_str());
 }
 
 }  // namespace

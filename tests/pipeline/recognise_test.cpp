@@ -72,7 +72,7 @@ TEST(Recognise, AScoreOfAnotherSensorIsThatOfTheElements) {
   const auto nll = [](const elements::Model& model, const BeamLog& log) {
     const TracedWorld world(model);
     MemorySource real(log), simulated(log);
-    return score_logs(real, simulated, &world, false).all.nll_per_beam;
+    return score_log(real, simulated, &world, {.cloud = false}).all.nll_per_beam;
   };
   const BeamLog same = unnamed({1.3, 3}, 100), other = of_another_sensor(same);
   EXPECT_NE(nll(with, same), nll(without, same));

@@ -26,7 +26,7 @@ TEST(Objective, OfAWorldIsThatOfItsAnswersScored) {
   Simulation simulation(world, options);
   const BeamLog answered = simulate_log(simulation, log);
   MemorySource simulated(answered);
-  const metrics::Summary s = score_logs(source, simulated, &world, false).all;
+  const metrics::Summary s = score_log(source, simulated, &world, {.cloud = false}).all;
   EXPECT_EQ(a.objective, s.packet_error_m + 2 * (1 - s.f1));
   EXPECT_EQ(a.score.at("f1"), s.f1);
   EXPECT_EQ(a.score.count("crps_m"), 0u);

@@ -184,11 +184,11 @@ TEST(Regions, ScoresAreThoseOfTheWhole) {
     const BeamLog simulated = answers(whole, beams, options);
     const auto score = [&](pipeline::World world, const std::string& memory) {
       MemorySource a(real, 1500), b(simulated, 700);
-      return pipeline::score_logs(
-          a, b, std::make_unique<pipeline::TracedWorld>(std::move(world)).get(), true, {}, memory);
+      const pipeline::TracedWorld traced(std::move(world));
+      return pipeline::score_log(a, b, &traced, {.memory = memory});
     };
     const auto text = [](const metrics::Score& s) {
-      return pipeline::json_of_scores({"s"}, {s}, {}, "{}").dump();
+      return pipeline::json_of_log_score({"s", s, {}, {}}).dump();
     };
     const metrics::Score expected = score(whole, regions::kMemory);
     EXPECT_LT(expected.all.nll_per_beam, 10);

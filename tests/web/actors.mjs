@@ -175,7 +175,6 @@ export async function editActors({ page, expect, ready, accessible, picture, pro
     await button('Redo').click();
     await waitFor(page, 'edits', '3');
     const before = written();
-    await page.waitForTimeout(1100); // names differ by the second
     await button('Write edits').click();
     await status('^Written: ');
     const [again] = written().filter((f) => !before.includes(f));

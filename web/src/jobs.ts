@@ -23,6 +23,7 @@ export class JobsPanel {
   private readonly list = el('ul', { class: 'jobs', 'aria-label': 'Commands' });
   private readonly watched = new Map<number, (job: Job) => void>();
   private timer = 0;
+  private readonly named = new Set<string>();
 
   constructor(
     private readonly app: App,
@@ -32,13 +33,15 @@ export class JobsPanel {
     app.run(this.refresh());
   }
 
-  /** A name that no file has yet. */
+  /** A name that no file has yet, and that this page has not named before. */
   freshName(stem: string, extension = ''): string {
     const taken = new Set(this.app.files.list.map((f) => f.name));
     const stamp = Math.floor(Date.now() / 1000).toString(36);
     for (let k = 1; ; ++k) {
       const name = `${stem.replace(/[^A-Za-z0-9_-]/g, '_').slice(0, 40)}-${stamp}${k > 1 ? `-${k}` : ''}${extension}`;
-      if (!taken.has(name)) return name;
+      if (taken.has(name) || this.named.has(name)) continue;
+      this.named.add(name);
+      return name;
     }
   }
 

@@ -14,8 +14,6 @@ BeamLog whole(BeamSource& source) {
   return log;
 }
 
-constexpr const char* kAlwaysHit = "always hit";
-
 }  // namespace
 
 void answer_by_baselines(const OpenLog& real, const OpenLog& train, const UseBaseline& use) {
@@ -28,19 +26,7 @@ void answer_by_baselines(const OpenLog& real, const OpenLog& train, const UseBas
   if (!train) return;
   const BeamLog answered = looked_up(whole(*train()), whole(*truth), LookUp::kWarped2);
   MemorySource simulated(answered);
-  use("look-up", *truth, simulated);
-}
-
-std::vector<Baseline> score_baselines(const OpenLog& real, const OpenLog& train,
-                                      const ScoreOptions& options) {
-  std::vector<Baseline> out;
-  answer_by_baselines(real, train,
-                      [&](const std::string& name, BeamSource& truth, BeamSource& simulated) {
-                        ScoreOptions own = options;
-                        own.cloud = options.cloud && name != kAlwaysHit;
-                        out.push_back({name, score(truth, simulated, own)});
-                      });
-  return out;
+  use(kLookUp, *truth, simulated);
 }
 
 }  // namespace underbrush::metrics

@@ -1,23 +1,19 @@
 /// \file
-/// The scores of baselines without a model, which a simulator must beat.
+/// The answers of baselines without a model, which a simulator must beat.
 #pragma once
 #include <functional>
 #include <memory>
 #include <string>
-#include <vector>
 
-#include "underbrush/metrics/score.hpp"
+#include "underbrush/core/beam_log.hpp"
 
 namespace underbrush::metrics {
 
 /// Opens a log, so that it can be read more than once at a time.
 using OpenLog = std::function<std::unique_ptr<BeamSource>()>;
 
-/// The scores of a baseline.
-struct Baseline {
-  std::string name;  ///< "always hit" or "look-up".
-  Score score;
-};
+inline constexpr const char* kAlwaysHit = "always hit";
+inline constexpr const char* kLookUp = "look-up";
 
 /// A function that gets the real log and the answers of a baseline to the same beams.
 using UseBaseline =
@@ -28,9 +24,5 @@ using UseBaseline =
 /// *Look-up* (`LookUp::kWarped2`) is left out where `train` is empty; otherwise both logs are held
 /// in memory.
 void answer_by_baselines(const OpenLog& real, const OpenLog& train, const UseBaseline& use);
-
-/// Scores the baselines (`answer_by_baselines`). The clouds of *always hit* are not compared.
-std::vector<Baseline> score_baselines(const OpenLog& real, const OpenLog& train,
-                                      const ScoreOptions& options = {});
 
 }  // namespace underbrush::metrics

@@ -114,20 +114,78 @@ Vec3 direction_from(const Vec3& place, const BeamLog& train, uint32_t i) {
   return (train.end_point(i) - place).normalized();
 }
 
-/// The training beams that are seen from `place` in directions within `box`.
-Candidates seen_from(const Vec3& place, const BeamLog& train, const std::vector<const Scan*>& scans,
-                     const Eigen::AlignedBox3f& box) {
-  Candidates c;
-  for (const Scan* s : scans) {
-    for (const uint32_t i : s->rows) {
-      const Vec3f direction = direction_from(place, train, i).cast<float>();
-      if (!box.contains(direction)) continue;
-      c.row.push_back(i);
+/// The rows of some training scans by where their beams end, so that what is seen from a place in
+/// some directions is found without a look at every beam.
+class ByPlace {
+ public:
+  ByPlace(const BeamLog& train, const std::vector<const Scan*>& scans) : train_(train) {
+    constexpr double kSide = 2;  // m
+    std::map<std::array<int64_t, 3>, Cell> cells;
+    uint32_t number = 0;
+    for (const Scan* s : scans) {
+      for (const uint32_t i : s->rows) {
+        if (train.is_hit(i)) {
+          const Vec3 end = train.end_point(i), at = (end - scans[0]->origin) / kSide;
+          Cell& cell = cells[{std::llround(at.x()), std::llround(at.y()), std::llround(at.z())}];
+          cell.box.extend(end);
+          cell.rows.emplace_back(number, i);
+        } else {
+          misses_.emplace_back(number, i);
+        }
+        ++number;
+      }
+    }
+    cells_.reserve(cells.size());
+    for (auto& [key, cell] : cells) cells_.push_back(std::move(cell));
+  }
+
+  /// The training beams that are seen from `place` in directions within `box`, in their order.
+  Candidates seen_from(const Vec3& place, const Eigen::AlignedBox3f& box) const {
+    std::vector<std::pair<Numbered, Vec3f>> seen;
+    const auto look_at = [&](const std::vector<Numbered>& rows) {
+      for (const Numbered& n : rows) {
+        const Vec3f direction = direction_from(place, train_, n.second).cast<float>();
+        if (box.contains(direction)) seen.emplace_back(n, direction);
+      }
+    };
+    look_at(misses_);
+    for (const Cell& cell : cells_) {
+      if (may_be_within(cell, place, box)) look_at(cell.rows);
+    }
+    std::sort(seen.begin(), seen.end(),
+              [](const auto& a, const auto& b) { return a.first.first < b.first.first; });
+    Candidates c;
+    c.row.reserve(seen.size());
+    c.direction.reserve(seen.size());
+    for (const auto& [n, direction] : seen) {
+      c.row.push_back(n.second);
       c.direction.push_back(direction);
     }
+    return c;
   }
-  return c;
-}
+
+ private:
+  using Numbered = std::pair<uint32_t, uint32_t>;  ///< Its number among all, and its row.
+  struct Cell {
+    Eigen::AlignedBox3d box;  ///< Around the ends; m, world.
+    std::vector<Numbered> rows;
+  };
+
+  /// False where the directions from `place` to a ball around a cell are all outside of `box`. A
+  /// direction to a ball of radius r at the distance d is at most sqrt(2) r/d (a chord) from that
+  /// to its centre, where r < d.
+  static bool may_be_within(const Cell& cell, const Vec3& place, const Eigen::AlignedBox3f& box) {
+    const Vec3 to = cell.box.center() - place;
+    const double away = to.norm(), radius = 0.5 * cell.box.diagonal().norm();
+    if (away <= radius) return true;
+    const double reach = 1.4143 * radius / away + 1e-6;  // And the rounding of 32-bit directions.
+    return box.cast<double>().exteriorDistance((to / away).eval()) <= reach;
+  }
+
+  const BeamLog& train_;
+  std::vector<Cell> cells_;
+  std::vector<Numbered> misses_;
+};
 
 /// Rows of a scan whose origins lie in one cube.
 std::vector<std::vector<uint32_t>> cubes_of(const BeamLog& log, const Scan& scan) {
@@ -167,15 +225,15 @@ Answer answer(const Vec3& origin, const Vec3& direction, const BeamLog& train,
 /// Answers some beams of a scan whose origins are near `place`: a tree of what is seen from there
 /// has the candidates, and each beam's own origin decides among them. The tree has what is up to
 /// `margin` (of directions) away from the beams. Returns the beams for which that was not enough.
-std::vector<uint32_t> look_up_within(const BeamLog& train, const std::vector<const Scan*>& scans,
-                                     const Vec3& place, const std::vector<uint32_t>& rows,
-                                     double half_beam, float margin, BeamLog& out) {
+std::vector<uint32_t> look_up_within(const BeamLog& train, const ByPlace& beams, const Vec3& place,
+                                     const std::vector<uint32_t>& rows, double half_beam,
+                                     float margin, BeamLog& out) {
   constexpr size_t kNear = 32;
   Eigen::AlignedBox3f box;
   for (const uint32_t i : rows) box.extend(out.direction[i]);
   box.min().array() -= margin;
   box.max().array() += margin;
-  const Candidates c = seen_from(place, train, scans, box);
+  const Candidates c = beams.seen_from(place, box);
   if (c.row.empty()) return rows;
   const CloudTree tree(c.direction);
   std::vector<uint8_t> is_answered(rows.size());
@@ -201,13 +259,14 @@ std::vector<uint32_t> look_up_within(const BeamLog& train, const std::vector<con
   return left;
 }
 
-void look_up_warped(const BeamLog& train, const std::vector<const Scan*>& scans,
-                    const std::vector<uint32_t>& rows, double half_beam, BeamLog& out) {
-  constexpr float kMargin = 0.1F;
+void look_up_warped(const BeamLog& train, const ByPlace& beams, const std::vector<uint32_t>& rows,
+                    double half_beam, BeamLog& out) {
   Vec3 place = Vec3::Zero();
   for (const uint32_t i : rows) place += out.origin[i] / double(rows.size());
-  const auto left = look_up_within(train, scans, place, rows, half_beam, kMargin, out);
-  if (!left.empty()) look_up_within(train, scans, place, left, half_beam, kAll, out);
+  std::vector<uint32_t> left = rows;
+  for (const float margin : {0.02F, 0.1F, kAll}) {
+    if (!left.empty()) left = look_up_within(train, beams, place, left, half_beam, margin, out);
+  }
 }
 
 void look_up_raw(const BeamLog& train, const Scan& from, const Scan& to, BeamLog& out) {
@@ -241,8 +300,9 @@ BeamLog looked_up(const BeamLog& train, const BeamLog& test, LookUp kind) {
       look_up_raw(train, *scans[0], scan, out);
       continue;
     }
+    const ByPlace beams(train, scans);
     for (const std::vector<uint32_t>& rows : cubes_of(test, scan)) {
-      look_up_warped(train, scans, rows, half_beam, out);
+      look_up_warped(train, beams, rows, half_beam, out);
     }
   }
   return out;

@@ -109,35 +109,6 @@ Json json_of(const metrics::LengthDistribution& d) {
           {"share", d.share[1]}};
 }
 
-}  // namespace
-
-Json json_of_cloud_scores(const metrics::CloudScores& s) {
-  Json j = {{"real_beams", s.beams[0]},
-            {"beams", s.beams[1]},
-            {"real_points", s.points[0]},
-            {"points", s.points[1]},
-            {"real_returns", s.returns[0]},
-            {"returns", s.returns[1]},
-            {"cloud_error_m", io::finite_or_null(s.cloud_error_m)},
-            {"real_to_simulated_m", io::finite_or_null(s.nearest_m[0])},
-            {"simulated_to_real_m", io::finite_or_null(s.nearest_m[1])},
-            {"density_aware_chamfer", io::finite_or_null(s.density_aware_chamfer)},
-            {"occupied", io::finite_or_null(s.occupied)},
-            {"range", json_of(s.range)},
-            {"height", json_of(s.height)}};
-  j["regions"] = Json::array();
-  for (const metrics::CloudRegion& r : s.regions) {
-    j["regions"].push_back({{"x_m", metrics::CloudScores::kRegionM * r.at.x},
-                            {"y_m", metrics::CloudScores::kRegionM * r.at.y},
-                            {"real_points", r.points[0]},
-                            {"points", r.points[1]},
-                            {"cloud_error_m", r.cloud_error_m},
-                            {"error_share", r.error_share},
-                            {"height_distance_m", io::finite_or_null(r.height_distance_m)}});
-  }
-  return j;
-}
-
 Json json_of_range_images(const metrics::ProtocolScores& scores) {
   const metrics::ImageScores& s = scores.mean;
   return {{"scans", scores.scans},
@@ -167,6 +138,35 @@ Json json_of_repeats(const metrics::Repeats& s) {
           {"same_scans", io::finite_or_null(s.same_scans)}};
 }
 
+}  // namespace
+
+Json json_of_cloud_scores(const metrics::CloudScores& s) {
+  Json j = {{"real_beams", s.beams[0]},
+            {"beams", s.beams[1]},
+            {"real_points", s.points[0]},
+            {"points", s.points[1]},
+            {"real_returns", s.returns[0]},
+            {"returns", s.returns[1]},
+            {"cloud_error_m", io::finite_or_null(s.cloud_error_m)},
+            {"real_to_simulated_m", io::finite_or_null(s.nearest_m[0])},
+            {"simulated_to_real_m", io::finite_or_null(s.nearest_m[1])},
+            {"density_aware_chamfer", io::finite_or_null(s.density_aware_chamfer)},
+            {"occupied", io::finite_or_null(s.occupied)},
+            {"range", json_of(s.range)},
+            {"height", json_of(s.height)}};
+  j["regions"] = Json::array();
+  for (const metrics::CloudRegion& r : s.regions) {
+    j["regions"].push_back({{"x_m", metrics::CloudScores::kRegionM * r.at.x},
+                            {"y_m", metrics::CloudScores::kRegionM * r.at.y},
+                            {"real_points", r.points[0]},
+                            {"points", r.points[1]},
+                            {"cloud_error_m", r.cloud_error_m},
+                            {"error_share", r.error_share},
+                            {"height_distance_m", io::finite_or_null(r.height_distance_m)}});
+  }
+  return j;
+}
+
 Json json_of_clouds(const std::vector<metrics::NamedCloudScores>& clouds,
                     const std::string& provenance) {
   Json j = json_of_cloud_scores(clouds.at(0).scores);
@@ -178,15 +178,19 @@ Json json_of_clouds(const std::vector<metrics::NamedCloudScores>& clouds,
   return j;
 }
 
-Json json_of_scores(const std::vector<std::string>& names,
-                    const std::vector<metrics::Score>& scores,
-                    const std::vector<metrics::Baseline>& baselines,
-                    const std::string& provenance) {
-  Json j = json_of(scores.at(0));
+Json json_of_log_score(const LogScore& s) {
+  Json j = json_of(s.score);
+  if (s.kitti360) j["kitti360"] = json_of_range_images(*s.kitti360);
+  if (s.repeats) j["repeats"] = json_of_repeats(*s.repeats);
+  return j;
+}
+
+Json json_of_scores(const Scores& scores, const std::string& provenance) {
+  Json j = json_of(scores.simulated.at(0).score);
   j["models"] = Json::object();
-  for (size_t k = 0; k < scores.size(); ++k) j["models"][names[k]] = json_of(scores[k]);
-  if (!baselines.empty()) j["baselines"] = Json::object();
-  for (const metrics::Baseline& b : baselines) j["baselines"][b.name] = json_of(b.score);
+  for (const LogScore& s : scores.simulated) j["models"][s.name] = json_of_log_score(s);
+  if (!scores.baselines.empty()) j["baselines"] = Json::object();
+  for (const LogScore& s : scores.baselines) j["baselines"][s.name] = json_of_log_score(s);
   j["provenance"] = io::json_of_text(provenance);
   return j;
 }

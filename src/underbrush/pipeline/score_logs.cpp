@@ -1,5 +1,6 @@
 #include "underbrush/pipeline/score_logs.hpp"
 
+#include "underbrush/core/check.hpp"
 #include "underbrush/core/still_beams.hpp"
 
 namespace underbrush::pipeline {
@@ -26,6 +27,13 @@ class Parts {
   std::unique_ptr<TracedWorld> part_;
 };
 
+/// Compares the logs by the protocols of the options.
+void add_protocols(BeamSource& real, BeamSource& simulated, const ScoreOptions& options,
+                   LogScore& out) {
+  if (options.protocol == "kitti360") out.kitti360 = metrics::range_image_scores(real, simulated);
+  if (options.repeats) out.repeats = metrics::repeats(real, simulated);
+}
+
 }  // namespace
 
 std::span<const Option<ScoreOptions>> score_options() {
@@ -47,24 +55,57 @@ std::span<const Option<ScoreOptions>> score_options() {
 return kOptions;
 }
 
-metrics::Score score_logs(BeamSource& real, BeamSource& simulated, const TracedWorld* world,
-                          bool cloud, const std::function<void(size_t, size_t)>& progress,
-                          const std::string& memory) {
-  metrics::ScoreOptions options;
-  options.cloud = cloud;
+metrics::Score score_log(BeamSource& real, BeamSource& simulated, const TracedWorld* world,
+                         const ScoreOptions& options,
+                         const std::function<void(size_t, size_t)>& progress) {
+  metrics::ScoreOptions scored;
+  scored.cloud = options.cloud;
   if (world) {
-    options.world = &world->still();
-    if (world->still().is_one_model()) options.model = options.world;
+    scored.world = &world->still();
+    if (world->still().is_one_model()) scored.model = scored.world;
   }
-  const uint64_t memory_bytes = regions::memory_of(memory);
+  const uint64_t memory_bytes = regions::memory_of(options.memory);
   std::optional<Parts> parts;
   if (world && world->regions()) {
     parts.emplace(*world, memory_bytes);
-    options.open = [&](const BeamLog& beams, size_t begin, double range_m) {
+    scored.open = [&](const BeamLog& beams, size_t begin, double range_m) {
       return parts->open(beams, begin, range_m);
     };
   }
-  return metrics::score(real, simulated, options, progress);
+  return metrics::score(real, simulated, scored, progress);
+}
+
+Scores score_logs(const ScoreInput& input, const ScoreOptions& options,
+                  const ScoreProgress& progress) {
+  require(options.protocol.empty() || options.protocol == "kitti360",
+          "score: the protocol of logs of the same beams is kitti360; clouds are compared by "
+          "compare_clouds, or score --protocol clouds");
+  Scores out;
+  for (const SimulatedLog& simulated : input.simulated) {
+    const auto real = input.real(), log = simulated.log();
+    const auto world = simulated.world ? simulated.world() : nullptr;
+    try {
+      out.simulated.push_back({simulated.name,
+                               score_log(*real, *log, world.get(), options,
+                                         progress ? std::bind_front(progress, simulated.name)
+                                                  : std::function<void(size_t, size_t)>()),
+                               {},
+                               {}});
+      add_protocols(*real, *log, options, out.simulated.back());
+    } catch (const DataError& e) {
+      if (simulated.file.empty()) throw;
+      throw FormatError(simulated.file, "", e.what());
+    }
+  }
+  metrics::answer_by_baselines(
+      input.real, input.train,
+      [&](const std::string& name, BeamSource& real, BeamSource& answered) {
+        ScoreOptions own = options;
+        own.cloud = options.cloud && name != metrics::kAlwaysHit;
+        out.baselines.push_back({name, score_log(real, answered, nullptr, own), {}, {}});
+        add_protocols(real, answered, options, out.baselines.back());
+      });
+  return out;
 }
 
 metrics::CloudScores score_clouds(BeamSource& real, BeamSource& simulated,

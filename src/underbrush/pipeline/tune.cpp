@@ -23,7 +23,8 @@ Outcome outcome_of(const std::string& objective, const TracedWorld& world, const
   const BeamLog answered = simulate_log(simulation, beams);
   MemorySource real(beams), simulated(answered);
   const bool likelihood = objective == "nll";
-  const metrics::Summary s = score_logs(real, simulated, likelihood ? &world : nullptr, false).all;
+  const metrics::Summary s =
+      score_log(real, simulated, likelihood ? &world : nullptr, {.cloud = false}).all;
   Outcome out{optimize::objective_of(objective, s, beams.info.max_range_m),
               {{"packet_error_m", s.packet_error_m},
                {"precision", s.precision},
