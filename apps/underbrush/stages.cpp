@@ -61,6 +61,7 @@ pipeline::Scores score_logs(const fs::path& real, const fs::path& train,
       [&, shown = std::string()](const std::string& name, size_t done, size_t total) mutable {
         if (!progress || shown != name) progress.emplace("score " + (shown = name));
         (*progress)(done, total);
+        if (done == total) progress.reset();  // The line ends.
       });
 }
 

@@ -37,8 +37,7 @@ bool has_option(std::span<const Row> table, std::string key) {
 }
 
 /// Sets the option with the name `key`, in which `_` stands for `-`. Throws a Python `TypeError`
-/// for an unknown name, which it compares with the known ones, and for a value of the wrong type,
-/// and a `ValueError` for a text that is none of the choices.
+/// for an unknown name, which it compares with the known ones, and for a value of the wrong type.
 template <class Row, class T>
 void set_option(std::string_view verb, std::span<const Row> table, T& options,
                 const std::string& key, nb::handle value) {
@@ -64,16 +63,6 @@ void set_option(std::string_view verb, std::span<const Row> table, T& options,
           throw nb::type_error((std::string(verb) + ": " + key + " cannot be " +
                                 nb::cast<std::string>(nb::repr(value)))
                                    .c_str());
-        }
-        if constexpr (std::is_same_v<std::decay_t<decltype(place)>, std::string>) {
-          const auto& choices = row->choices;
-          if (choices.empty() || std::count(choices.begin(), choices.end(), place)) return;
-          std::string known;
-          for (const std::string_view c : choices)
-            known += (known.empty() ? "" : ", ") + std::string(c);
-          throw nb::value_error(
-              (std::string(verb) + ": " + key + " is one of " + known + ", not '" + place + "'")
-                  .c_str());
         }
       },
       row->field);

@@ -5,7 +5,7 @@ import json
 import os
 import tempfile
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Literal, overload
+from typing import TYPE_CHECKING, Any, overload
 
 from underbrush import _core
 from underbrush._core import BeamLog, Model, ObjectLists, Primitives, Scene, Score, Sensor, Trajectory, Tuning
@@ -163,9 +163,10 @@ def score(real: Log, simulated: Log, *, model: World | None = None, train: Log |
     `cloud`, cloud error and density-aware Chamfer distance are left out. `Score.baselines` has the scores that a
     simulator must beat: those of "always hit", in which each beam returns at the median range of its ring, and with
     `train`, the log that the model was fitted to, those of "look-up", which takes the return of the nearest training
-    point for each beam. `options` are those of `underbrush score`: `protocol="kitti360"` fills `Score.kitti360`, and
-    `repeats=True` fills `Score.repeats`, as dicts of what `--json` writes. With `report`, a page of tables, plots and pictures is written into that folder. Raises
-    `ValueError` (`FormatError` for files) where the beams differ in number, scan, ring or origin, and `OSError`.
+    point for each beam. Of `options`, `protocol="kitti360"` fills `Score.kitti360`, and `repeats=True` fills
+    `Score.repeats`, as dicts of what `--json` writes; `compare_clouds` stands for the protocol "clouds". With `report`,
+    a page of tables, plots and pictures is written into that folder. Raises `ValueError` (`FormatError` for files) where
+    the beams differ in number, scan, ring or origin, and `OSError`.
     """
     real, simulated, train = _log(real), _log(simulated), None if train is None else _log(train)
     with _shown(progress) as shown:

@@ -184,39 +184,35 @@ export class Library {
     this.app.tell(`Opened: ${file.name}`);
   }
 
-  /** Writes the edits; returns the name of the file. */
-  private async write(): Promise<string> {
+  /** Writes the edits; returns the names of the file and of the library that they make. */
+  private async write(): Promise<{ edits: string; name: string }> {
     const { edits, world } = this;
     if (!edits || !world) throw new Error('Show a set of primitives first');
     if (edits.list().length === 0) throw new Error('There are no edits to write');
-    const name = this.jobs!.freshName('primitive-edits', '.json');
+    const file = this.jobs!.freshName('primitive-edits', '.json');
+    const name = this.jobs!.freshName(world.file.name.replace(/^.*\//, ''));
     const text = this.text();
     const parts = partsOf(edits.list());
     let path = '';
     for (const [k, part] of parts.entries()) {
       const more = k + 1 < parts.length;
-      const told = { file: world.file.id, name, set: edits.facts.set, edits: JSON.stringify(part), more };
+      const told = { file: world.file.id, name: file, set: edits.facts.set, edits: JSON.stringify(part), more };
       ({ path } = await post<{ path: string }>('primitives/write', told));
     }
     this.filed = text;
-    const job = query({ verb: 'primitives', primitives: `${world.file.id}`, edits: name, name: this.result(world) });
+    const job = query({ verb: 'primitives', primitives: `${world.file.id}`, edits: file, name });
     this.command.textContent = (await json<{ command: string }>(`jobs/command?${job}`)).command;
     this.show();
     this.app.tell(`Written: ${path}`);
-    return name;
-  }
-
-  /** A name for the library that the edits make. */
-  private result(world: World): string {
-    return this.jobs!.freshName(world.file.name.replace(/^.*\//, ''));
+    return { edits: file, name };
   }
 
   /** Merges the set with its edits, and shows the result in its place. */
   private async merge(): Promise<void> {
     const { world } = this;
-    const edits = await this.write();
+    const written = await this.write();
     const open = !this.table.element.hidden;
-    const made = await this.jobs!.runAndShow('primitives', { primitives: world!.file.id, edits, name: this.result(world!) });
+    const made = await this.jobs!.runAndShow('primitives', { primitives: world!.file.id, ...written });
     this.app.state.library = { file: made, open, edits: [] };
     await this.menu.toggle(world!.file, false);
   }

@@ -90,7 +90,16 @@ double beam_spacing(const BeamLog& log, const std::map<uint32_t, Scan>& scans) {
   return median<double>(std::move(step), INFINITY);
 }
 
-constexpr float kAll = 4;  // Every direction is nearer than that to every other.
+constexpr size_t kNear = 32;   // Training beams that are looked at for a beam.
+constexpr float kWide = 0.1F;  // m on the unit sphere; almost all beams have as many within it.
+constexpr float kAll = 4;      // Every direction is nearer than that to every other.
+
+/// How far around a beam `kNear` training beams of some scans usually lie, twice the area for
+/// safety: a chord, at most `kWide`.
+float usual_margin(const BeamLog& train, const std::map<uint32_t, Scan>& scans, size_t count) {
+  const double of_each = ring_spacing(train, scans) * beam_spacing(train, scans);
+  return float(std::min<double>(kWide, std::sqrt(2 * kNear * of_each / (M_PI * double(count)))));
+}
 
 /// The training beams that a scan's beams are looked up in, as they are seen from one place.
 struct Candidates {
@@ -228,7 +237,6 @@ Answer answer(const Vec3& origin, const Vec3& direction, const BeamLog& train,
 std::vector<uint32_t> look_up_within(const BeamLog& train, const ByPlace& beams, const Vec3& place,
                                      const std::vector<uint32_t>& rows, double half_beam,
                                      float margin, BeamLog& out) {
-  constexpr size_t kNear = 32;
   Eigen::AlignedBox3f box;
   for (const uint32_t i : rows) box.extend(out.direction[i]);
   box.min().array() -= margin;
@@ -260,11 +268,11 @@ std::vector<uint32_t> look_up_within(const BeamLog& train, const ByPlace& beams,
 }
 
 void look_up_warped(const BeamLog& train, const ByPlace& beams, const std::vector<uint32_t>& rows,
-                    double half_beam, BeamLog& out) {
+                    double half_beam, float usual, BeamLog& out) {
   Vec3 place = Vec3::Zero();
   for (const uint32_t i : rows) place += out.origin[i] / double(rows.size());
   std::vector<uint32_t> left = rows;
-  for (const float margin : {0.02F, 0.1F, kAll}) {
+  for (const float margin : {usual, kWide, kAll}) {
     if (!left.empty()) left = look_up_within(train, beams, place, left, half_beam, margin, out);
   }
 }
@@ -290,11 +298,13 @@ void look_up_raw(const BeamLog& train, const Scan& from, const Scan& to, BeamLog
 BeamLog looked_up(const BeamLog& train, const BeamLog& test, LookUp kind) {
   const std::map<uint32_t, Scan> from = scans_of(train), to = scans_of(test);
   const double half_beam = 0.5 * std::min(ring_spacing(test, to), beam_spacing(test, to));
+  const size_t count = kind == LookUp::kWarped2 ? 2 : 1;
+  const float usual = kind == LookUp::kRaw ? kWide : usual_margin(train, from, count);
   BeamLog out = test;
   std::fill(out.range_m.begin(), out.range_m.end(), kMiss);
   std::fill(out.intensity.begin(), out.intensity.end(), 0.f);
   for (const auto& [number, scan] : to) {
-    const auto scans = nearest_scans(from, scan, kind == LookUp::kWarped2 ? 2 : 1);
+    const auto scans = nearest_scans(from, scan, count);
     if (scans.empty()) continue;
     if (kind == LookUp::kRaw) {
       look_up_raw(train, *scans[0], scan, out);
@@ -302,7 +312,7 @@ BeamLog looked_up(const BeamLog& train, const BeamLog& test, LookUp kind) {
     }
     const ByPlace beams(train, scans);
     for (const std::vector<uint32_t>& rows : cubes_of(test, scan)) {
-      look_up_warped(train, beams, rows, half_beam, out);
+      look_up_warped(train, beams, rows, half_beam, usual, out);
     }
   }
   return out;

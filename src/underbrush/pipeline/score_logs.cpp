@@ -77,25 +77,25 @@ metrics::Score score_log(BeamSource& real, BeamSource& simulated, const TracedWo
 
 Scores score_logs(const ScoreInput& input, const ScoreOptions& options,
                   const ScoreProgress& progress) {
-  require(options.protocol.empty() || options.protocol == "kitti360",
-          "score: the protocol of logs of the same beams is kitti360; clouds are compared by "
-          "compare_clouds, or score --protocol clouds");
+  check_options("score", score_options(), options);
+  require(options.protocol != "clouds",
+          "score: clouds are compared by compare_clouds, or score --protocol clouds");
   Scores out;
-  for (const SimulatedLog& simulated : input.simulated) {
-    const auto real = input.real(), log = simulated.log();
-    const auto world = simulated.world ? simulated.world() : nullptr;
+  for (const SimulatedLog& s : input.simulated) {
+    const auto real = input.real(), log = s.log();
+    auto world = s.world ? s.world() : nullptr;
+    std::function<void(size_t, size_t)> told;
+    if (progress) told = std::bind_front(progress, s.name);
+    LogScore score{s.name, {}, {}, {}};
     try {
-      out.simulated.push_back({simulated.name,
-                               score_log(*real, *log, world.get(), options,
-                                         progress ? std::bind_front(progress, simulated.name)
-                                                  : std::function<void(size_t, size_t)>()),
-                               {},
-                               {}});
-      add_protocols(*real, *log, options, out.simulated.back());
+      score.score = score_log(*real, *log, world.get(), options, told);
+      world.reset();  // The protocols need memory of their own.
+      add_protocols(*real, *log, options, score);
     } catch (const DataError& e) {
-      if (simulated.file.empty()) throw;
-      throw FormatError(simulated.file, "", e.what());
+      if (s.file.empty()) throw;
+      throw FormatError(s.file, "", e.what());
     }
+    out.simulated.push_back(std::move(score));
   }
   metrics::answer_by_baselines(
       input.real, input.train,

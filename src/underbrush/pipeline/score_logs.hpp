@@ -24,7 +24,7 @@ struct ScoreOptions {
   std::string memory = regions::kMemory;  ///< For a world of regions (`regions::memory_of`).
   std::string protocol{};                 ///< "kitti360" or "clouds"; "" = neither.
   bool repeats = false;                   ///< Whether scans from one place are compared.
-  bool cloud = true;  ///< Whether the clouds of simulated logs are compared; not in the table.
+  bool cloud = true;                      ///< Whether point clouds are compared; not in the table.
 };
 
 /// The table of these options.
@@ -62,8 +62,8 @@ struct Scores {
 using ScoreProgress = std::function<void(const std::string& name, size_t done, size_t total)>;
 
 /// Compares simulated logs and the baselines (`metrics::answer_by_baselines`) with the real log of
-/// the same beams: each by `score_log`, and by the protocols of the options. The clouds of
-/// baselines are not compared. Throws as `score_log` does, with the file of the simulated log, and
+/// the same beams: each by `score_log`, and by the protocols of the options. The clouds of *always
+/// hit* are not compared. Throws as `score_log` does, with the file of the simulated log, and
 /// `std::invalid_argument` for the protocol "clouds", which `score_clouds` is for.
 Scores score_logs(const ScoreInput& input, const ScoreOptions& options,
                   const ScoreProgress& progress = {});
