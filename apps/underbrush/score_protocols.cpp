@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -45,7 +46,11 @@ std::string text_of(const Row<Scores> (&rows)[n], const std::vector<Scores>& sco
   std::string text;
   for (const Row<Scores>& row : rows) {
     text += fmt::format("  {:<24}", row.name);
-    for (const Scores& s : scores) text += fmt::format("{:>14.{}f}", s.*row.field, row.digits);
+    for (const Scores& s : scores) {
+      const double x = s.*row.field;
+      text += std::isfinite(x) ? fmt::format("{:>14.{}f}", x, row.digits)
+                               : fmt::format("{:>14}", "n/a");
+    }
     text += "\n";
   }
   return text;
@@ -80,7 +85,9 @@ std::string text_of_repeats(const std::vector<Repeats>& scores) {
       "repeats: {} scans; median difference of a direction's range between successive scans, and\n"
       "    Bhattacharyya distance over ring x bearing x range bins of 0.2 degrees x 5 cm\n",
       scores.at(0).scans);
-  if (!scores[0].repeat()) {
+  if (scores[0].scans < 2) {
+    text += "  warning     the log has one scan, and this needs several\n";
+  } else if (!scores[0].repeat()) {
     text +=
         "  warning     the scans do not repeat: far ones differ more than twice as much as "
         "successive ones\n";

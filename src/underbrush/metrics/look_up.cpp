@@ -9,6 +9,7 @@
 #include "underbrush/core/kd_tree.inl"
 #include "underbrush/core/median.hpp"
 #include "underbrush/core/parallel.hpp"
+#include "underbrush/metrics/beams_by_place.hpp"
 
 namespace underbrush::metrics {
 namespace {
@@ -101,14 +102,8 @@ float usual_margin(const BeamLog& train, const std::map<uint32_t, Scan>& scans, 
   return float(std::min<double>(kWide, std::sqrt(2 * kNear * of_each / (M_PI * double(count)))));
 }
 
-/// The training beams that a scan's beams are looked up in, as they are seen from one place.
-struct Candidates {
-  std::vector<Vec3f> direction;
-  std::vector<uint32_t> row;  ///< Rows of the training log.
-};
-
-Candidates seen_by_sensor(const BeamLog& train, const Scan& scan) {
-  Candidates c{{}, scan.rows};
+SeenBeams seen_by_sensor(const BeamLog& train, const Scan& scan) {
+  SeenBeams c{{}, scan.rows};
   c.direction.reserve(scan.rows.size());
   for (const uint32_t i : scan.rows) {
     c.direction.push_back(
@@ -116,85 +111,6 @@ Candidates seen_by_sensor(const BeamLog& train, const Scan& scan) {
   }
   return c;
 }
-
-/// Where a training beam's end is seen from a place (m, world).
-Vec3 direction_from(const Vec3& place, const BeamLog& train, uint32_t i) {
-  if (!train.is_hit(i)) return train.direction[i].cast<double>();
-  return (train.end_point(i) - place).normalized();
-}
-
-/// The rows of some training scans by where their beams end, so that what is seen from a place in
-/// some directions is found without a look at every beam.
-class ByPlace {
- public:
-  ByPlace(const BeamLog& train, const std::vector<const Scan*>& scans) : train_(train) {
-    constexpr double kSide = 2;  // m
-    std::map<std::array<int64_t, 3>, Cell> cells;
-    uint32_t number = 0;
-    for (const Scan* s : scans) {
-      for (const uint32_t i : s->rows) {
-        if (train.is_hit(i)) {
-          const Vec3 end = train.end_point(i), at = (end - scans[0]->origin) / kSide;
-          Cell& cell = cells[{std::llround(at.x()), std::llround(at.y()), std::llround(at.z())}];
-          cell.box.extend(end);
-          cell.rows.emplace_back(number, i);
-        } else {
-          misses_.emplace_back(number, i);
-        }
-        ++number;
-      }
-    }
-    cells_.reserve(cells.size());
-    for (auto& [key, cell] : cells) cells_.push_back(std::move(cell));
-  }
-
-  /// The training beams that are seen from `place` in directions within `box`, in their order.
-  Candidates seen_from(const Vec3& place, const Eigen::AlignedBox3f& box) const {
-    std::vector<std::pair<Numbered, Vec3f>> seen;
-    const auto look_at = [&](const std::vector<Numbered>& rows) {
-      for (const Numbered& n : rows) {
-        const Vec3f direction = direction_from(place, train_, n.second).cast<float>();
-        if (box.contains(direction)) seen.emplace_back(n, direction);
-      }
-    };
-    look_at(misses_);
-    for (const Cell& cell : cells_) {
-      if (may_be_within(cell, place, box)) look_at(cell.rows);
-    }
-    std::sort(seen.begin(), seen.end(),
-              [](const auto& a, const auto& b) { return a.first.first < b.first.first; });
-    Candidates c;
-    c.row.reserve(seen.size());
-    c.direction.reserve(seen.size());
-    for (const auto& [n, direction] : seen) {
-      c.row.push_back(n.second);
-      c.direction.push_back(direction);
-    }
-    return c;
-  }
-
- private:
-  using Numbered = std::pair<uint32_t, uint32_t>;  ///< Its number among all, and its row.
-  struct Cell {
-    Eigen::AlignedBox3d box;  ///< Around the ends; m, world.
-    std::vector<Numbered> rows;
-  };
-
-  /// False where the directions from `place` to a ball around a cell are all outside of `box`. A
-  /// direction to a ball of radius r at the distance d is at most sqrt(2) r/d (a chord) from that
-  /// to its centre, where r < d.
-  static bool may_be_within(const Cell& cell, const Vec3& place, const Eigen::AlignedBox3f& box) {
-    const Vec3 to = cell.box.center() - place;
-    const double away = to.norm(), radius = 0.5 * cell.box.diagonal().norm();
-    if (away <= radius) return true;
-    const double reach = 1.4143 * radius / away + 1e-6;  // And the rounding of 32-bit directions.
-    return box.cast<double>().exteriorDistance((to / away).eval()) <= reach;
-  }
-
-  const BeamLog& train_;
-  std::vector<Cell> cells_;
-  std::vector<Numbered> misses_;
-};
 
 /// Rows of a scan whose origins lie in one cube.
 std::vector<std::vector<uint32_t>> cubes_of(const BeamLog& log, const Scan& scan) {
@@ -234,14 +150,14 @@ Answer answer(const Vec3& origin, const Vec3& direction, const BeamLog& train,
 /// Answers some beams of a scan whose origins are near `place`: a tree of what is seen from there
 /// has the candidates, and each beam's own origin decides among them. The tree has what is up to
 /// `margin` (of directions) away from the beams. Returns the beams for which that was not enough.
-std::vector<uint32_t> look_up_within(const BeamLog& train, const ByPlace& beams, const Vec3& place,
-                                     const std::vector<uint32_t>& rows, double half_beam,
-                                     float margin, BeamLog& out) {
+std::vector<uint32_t> look_up_within(const BeamLog& train, const BeamsByPlace& beams,
+                                     const Vec3& place, const std::vector<uint32_t>& rows,
+                                     double half_beam, float margin, BeamLog& out) {
   Eigen::AlignedBox3f box;
   for (const uint32_t i : rows) box.extend(out.direction[i]);
   box.min().array() -= margin;
   box.max().array() += margin;
-  const Candidates c = beams.seen_from(place, box);
+  const SeenBeams c = beams.seen_from(place, box);
   if (c.row.empty()) return rows;
   const CloudTree tree(c.direction);
   std::vector<uint8_t> is_answered(rows.size());
@@ -267,18 +183,22 @@ std::vector<uint32_t> look_up_within(const BeamLog& train, const ByPlace& beams,
   return left;
 }
 
-void look_up_warped(const BeamLog& train, const ByPlace& beams, const std::vector<uint32_t>& rows,
-                    double half_beam, float usual, BeamLog& out) {
+void look_up_warped(const BeamLog& train, const BeamsByPlace& beams,
+                    const std::vector<uint32_t>& rows, double half_beam, float usual,
+                    BeamLog& out) {
   Vec3 place = Vec3::Zero();
   for (const uint32_t i : rows) place += out.origin[i] / double(rows.size());
   std::vector<uint32_t> left = rows;
+  float tried = 0;
   for (const float margin : {usual, kWide, kAll}) {
-    if (!left.empty()) left = look_up_within(train, beams, place, left, half_beam, margin, out);
+    if (left.empty() || margin == tried) continue;
+    left = look_up_within(train, beams, place, left, half_beam, margin, out);
+    tried = margin;
   }
 }
 
 void look_up_raw(const BeamLog& train, const Scan& from, const Scan& to, BeamLog& out) {
-  const Candidates c = seen_by_sensor(train, from);
+  const SeenBeams c = seen_by_sensor(train, from);
   const CloudTree tree(c.direction);
   parallel_for(to.rows.size(), 256, [&](size_t begin, size_t end) {
     for (size_t k = begin; k < end; ++k) {
@@ -310,7 +230,11 @@ BeamLog looked_up(const BeamLog& train, const BeamLog& test, LookUp kind) {
       look_up_raw(train, *scans[0], scan, out);
       continue;
     }
-    const ByPlace beams(train, scans);
+    std::vector<uint32_t> rows_of_scans;
+    for (const Scan* s : scans) {
+      rows_of_scans.insert(rows_of_scans.end(), s->rows.begin(), s->rows.end());
+    }
+    const BeamsByPlace beams(train, std::move(rows_of_scans));
     for (const std::vector<uint32_t>& rows : cubes_of(test, scan)) {
       look_up_warped(train, beams, rows, half_beam, usual, out);
     }
