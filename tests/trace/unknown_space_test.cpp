@@ -76,14 +76,75 @@ TEST(CrossedCells, AreThoseOfTheMapInAnyBlock) {
     }
   }
   const CrossedCells crossed(space);
-  CrossedCells::Block last;
   for (const ObservedBlock& b : space.blocks) {
     for (int32_t k = 0; k < int32_t(ObservedBlock::kCells); ++k) {
       const Cell3 cell{8 * b.at.x + k % 8, 8 * b.at.y + k / 8 % 8, 8 * b.at.z + k / 64};
-      ASSERT_EQ(crossed.holds(cell, last), b.beams[size_t(k)] > 0);
+      ASSERT_EQ(crossed.holds(cell), b.beams[size_t(k)] > 0);
       ASSERT_FALSE(crossed.holds({cell.x, cell.y + 8, cell.z}));  // a block that is not there
     }
   }
+}
+
+/// A map of `side`² columns of four blocks, of which beams crossed all cells but a few.
+ObservedSpace space_with_holes(int32_t side, double share_of_holes) {
+  ObservedSpace space;
+  Stream random(53);
+  for (int32_t x = -side / 2; x < (side + 1) / 2; ++x) {
+    for (int32_t y = -side / 2; y < (side + 1) / 2; ++y) {
+      for (int32_t z = -2; z < 2; ++z) {
+        ObservedBlock block;
+        block.at = {x, y, z};
+        for (uint8_t& n : block.beams) n = uint8_t(random.uniform() >= share_of_holes);
+        space.blocks.push_back(block);
+      }
+    }
+  }
+  return space;
+}
+
+TEST(CrossedCells, ALineThatSurelyLiesInThemHasNoOtherCell) {
+  // Matter lies between heights that change from cell to cell.
+  const auto matter = [](int32_t x, int32_t y) {
+    return CrossedCells::Layers{-6 + (x & 3), 5 + (y & 3)};
+  };
+  const ObservedSpace space = space_with_holes(40, 5e-4);  // more than one square
+  const CrossedCells crossed(space, matter);
+  Stream random(54);
+  size_t sure = 0, all = 0;
+  for (int k = 0; k < 200000; ++k) {
+    const Vec3 from(random.uniform(-180, 180), random.uniform(-180, 180), random.uniform(-20, 20));
+    const double angle = random.uniform(0, 2 * M_PI), rise = 0.3 * random.normal();
+    const Vec3 way = 8 * Vec3(std::cos(angle), std::sin(angle), rise).normalized();
+    const uint32_t falls = uint32_t(way.x() < 0) | uint32_t(way.y() < 0) << 1;
+    bool expected = true;
+    StepCells cells;
+    cells_of_steps(from, way / 8, 0, 1, 1, cells);
+    for (int step = 0; step < StepCells::kSteps; ++step) {
+      const Cell3 c = cells.of(step);
+      ASSERT_EQ(c, cell_of(Vec3(from + (step + 0.5) * way / 8), 1));
+      const CrossedCells::Layers with = matter(c.x, c.y);
+      const auto is_crossed = [&] {
+        const auto at = std::find_if(space.blocks.begin(), space.blocks.end(),
+                                     [&](const auto& b) { return b.at == ObservedBlock::of(c); });
+        return at != space.blocks.end() && at->beams[ObservedBlock::index(c)] > 0;
+      };
+      if (k < 1000) {
+        const bool in_map =
+            std::abs(c.x + 0.5) < 160 && std::abs(c.y + 0.5) < 160 && c.z >= -16 && c.z < 16;
+        const bool without = c.z < with.first || c.z > with.last;
+        ASSERT_EQ(crossed.holds(c), in_map && (without || is_crossed())) << k;
+        ASSERT_EQ(crossed.among(cells) >> step & 1, crossed.holds(c)) << k;
+      }
+      // Above the map of a column there is no matter either.
+      expected = expected && (crossed.holds(c) || c.z > 8);
+    }
+    const Cell3 begin = cell_of(from, 1), end = cell_of(Vec3(from + way), 1);
+    const bool is_sure = crossed.surely_hold(begin, end, falls);
+    ASSERT_TRUE(expected || !is_sure) << k;
+    sure += is_sure;
+    all += expected;
+  }
+  EXPECT_GT(double(sure), 0.5 * double(all));
 }
 
 TEST(UnknownSpace, CrossedCellsAreKnown) {
@@ -177,6 +238,67 @@ TEST(UnknownSpace, DrawnEndsAreThoseOfAWalkStepByStep) {
   }
   EXPECT_GT(high, 1000u);
   EXPECT_GT(low, 1000u);
+}
+
+TEST(UnknownSpace, DrawnEndsAreThoseOfAllCellsOfAHillyPlace) {
+  ObservedSpace space = space_with_holes(20, 0.01);
+  space.density_per_m = space_of(0.05f, 3).density_per_m;
+  for (const double h : {-0.25, -0.75, 0.25}) {
+    space.density_per_m[ObservedSpace::height_interval(h)].fill(2);
+  }
+  space.ground_returns.fill(0.7f);
+  elements::TriangleMesh mesh;
+  for (int x = -90; x <= 90; x += 2) {
+    for (int y = -90; y <= 60; y += 2) {
+      mesh.vertices.emplace_back(float(x), float(y), float(3 * std::sin(0.07 * x + 0.05 * y)));
+    }
+  }
+  const UnknownSpace unknown(space, mesh, kOrigin);
+  const CrossedCells crossed(space);
+  const RangeLimits limits{0.3, 150};
+  Stream random(55);
+  size_t high = 0, low = 0, lost = 0;
+  for (uint64_t k = 0; k < 20000; ++k) {
+    const Vec3 from(40 * random.normal(), 40 * random.normal(), 5.5);
+    const Ray ray =
+        ray_from(from, {std::cos(double(k)), std::sin(double(k)), 0.1 * random.normal()});
+    std::optional<double> expected;
+    bool is_low = false, is_lost = false;
+    // Steps begin where the ray comes between the lowest ground and the highest matter.
+    const double rise = ray.direction.z();
+    const double bottom = (unknown.ground().lowest_m() - 3 - from.z()) / rise,
+                 top = (unknown.ground().highest_m() + 4 - from.z()) / rise;
+    const double begin = std::max(limits.min_m, std::min(bottom, top)),
+                 end = std::min(limits.max_m, std::max(bottom, top));
+    for (int step = 0; begin + step < end && !expected; ++step) {
+      const double t = begin + step, to = std::min(t + 1, end);
+      const Vec3 at = from + 0.5 * (t + to) * ray.direction;
+      const Cell3 cell = cell_of(at, 1);
+      const double height = at.z() - unknown.ground().at(at.x(), at.y());
+      if (crossed.holds(cell) || height > 4) continue;
+      const bool near = height < ObservedSpace::kGroundM;
+      if (near && unknown.ground().is_known(at.x(), at.y())) continue;
+      const uint64_t hash = CellHash()(cell);
+      if (near && !is_low) {
+        is_low = true;
+        is_lost = drawn_in_cell(k, hash, 1) >= double(0.7f);
+        lost += is_lost;
+      }
+      if ((near && is_lost) || height < -1) continue;
+      const double depth = near ? 2 * (to - t) * std::max(0.01, -rise) : double(0.05f) * (to - t);
+      const double free = -std::log1p(-drawn_in_cell(k, hash, 0));
+      if (free < depth) expected = t + (to - t) * free / depth;
+      if (expected) (near ? low : high) += 1;
+    }
+    const std::optional<double> drawn = unknown.drawn_end(ray, k, limits);
+    ASSERT_EQ(drawn.has_value(), expected.has_value()) << k;
+    if (drawn) {
+      ASSERT_NEAR(*drawn, *expected, 1e-9) << k;
+    }
+  }
+  EXPECT_GT(high, 1000u);
+  EXPECT_GT(low, 300u);
+  EXPECT_GT(lost, 100u);
 }
 
 TEST(UnknownSpace, ALimitWithinAStepShortensThatStepAlone) {

@@ -1,8 +1,11 @@
 /// \file
 /// The cells of a map that beams crossed, for look-ups along rays.
 #pragma once
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "underbrush/core/rng.hpp"
@@ -39,56 +42,91 @@ inline double drawn_in_cell(uint64_t key, uint64_t cell, uint32_t what) {
   return uniform_from_bits(random_bits(mix64(key ^ cell), what, Purpose::kUnknown));
 }
 
-/// The cells of a map of observed space that a beam crossed: a bit for each cell, and the blocks in
-/// a hash table with linear probing.
+/// The cells of a map of observed space that a beam crossed: a bit for each cell. The bits of a
+/// block are found by tables: of squares in the plane, and of the blocks above a square.
 class CrossedCells {
  public:
-  /// The bits of a block by z, and of a layer by y and x.
-  using Bits = std::array<uint64_t, elements::ObservedBlock::kSide>;
-  /// The block of the look-up before, which is that of most look-ups along a ray.
-  struct Block {
-    Cell3 at{INT32_MAX, 0, 0};
-    const Bits* bits = nullptr;  ///< Null where the map has no such block.
+  /// Layers of cells, by their z; none where `last` is smaller.
+  struct Layers {
+    int32_t first = 0, last = -1;
   };
+  /// The layers above a cell of the plane (x, y) in which there may be matter.
+  using MatterAbove = std::function<Layers(int32_t, int32_t)>;
 
-  explicit CrossedCells(const elements::ObservedSpace& space);
+  /// Cells of the map's columns of blocks in which there is no matter count as crossed.
+  explicit CrossedCells(const elements::ObservedSpace& space, const MatterAbove& matter = {});
 
   /// Whether a beam crossed a cell.
-  bool holds(const Cell3& cell) const {
-    Block block;
-    return holds(cell, block);
-  }
-  /// Whether a beam crossed a cell, where `block` is that of the call before.
-  bool holds(const Cell3& cell, Block& block) const {
-    const Cell3 at = elements::ObservedBlock::of(cell);
-    if (!(at == block.at)) block = {at, find(at)};
-    return block.bits &&
-           ((*block.bits)[size_t(cell.z & 7)] >> (8 * (cell.y & 7) + (cell.x & 7)) & 1);
-  }
-  /// Whether beams crossed the cells of all steps.
-  bool hold(const StepCells& cells, Block& block) const {
-    for (int k = 0; k < StepCells::kSteps; ++k) {
-      if (!holds(cells.of(k), block)) return false;
+  bool holds(const Cell3& c) const { return word(c.x, c.y, c.z) >> bit(c.x, c.y) & 1; }
+  /// The steps, as bits, whose cells a beam crossed.
+  uint32_t among(const StepCells& cells) const;
+  /// The steps among the bits `of` whose cells no beam crossed.
+  uint32_t without(uint32_t of, const StepCells& cells) const {
+    for (uint32_t left = of; left != 0; left &= left - 1) {
+      const int step = std::countr_zero(left);
+      of &= ~(uint32_t(holds(cells.of(step))) << step);
     }
-    return true;
+    return of;
+  }
+  /// Whether beams crossed all cells of a line between two cells that are at most a block apart
+  /// along each axis. `falls` has bit 0 for x and bit 1 for y that fall along the line. The answer
+  /// may be no although they did.
+  bool surely_hold(const Cell3& from, const Cell3& to, uint32_t falls) const {
+    const Column& column = columns_[column_of(from.x, from.y)];
+    const Layers& all = column.crossed[falls];
+    const int32_t low = std::min(from.z, to.z), high = std::max(from.z, to.z);
+    return (low >= all.first && high <= all.last) || low > column.above[falls];
   }
 
  private:
-  struct Slot {
-    Cell3 at;
-    uint32_t number;  // of the bits, from 1; 0 for an empty slot
+  static constexpr int kSide = elements::ObservedBlock::kSide;
+  static constexpr uint32_t kWords = elements::ObservedBlock::kCells / 32;
+  /// What is known of a column of blocks.
+  struct Column {
+    int32_t top = INT32_MAX;  ///< The highest layer with matter.
+    /// For the columns that a line of a block's length may come into, by `falls`: layers whose
+    /// cells are all crossed, and the highest other layer.
+    std::array<Layers, 4> crossed;
+    std::array<int32_t, 4> above{INT32_MAX, INT32_MAX, INT32_MAX, INT32_MAX};
   };
 
-  const Bits* find(const Cell3& block) const {
-    for (size_t k = CellHash()(block);; ++k) {
-      const Slot& slot = slots_[k & (slots_.size() - 1)];
-      if (slot.number == 0) return nullptr;
-      if (slot.at == block) return &bits_[slot.number - 1];
-    }
+  /// Counts the cells without matter as crossed.
+  void leave_out(const elements::ObservedSpace& space, const MatterAbove& matter);
+  void find_layers(const elements::ObservedSpace& space);
+  /// The place of a cell's bit in its word: by y and x.
+  static uint32_t bit(int32_t x, int32_t y) { return uint32_t(8 * (y & 3) + (x & 7)); }
+  /// The number of the square of a cell; 0 where the map has none.
+  uint32_t square(int32_t x, int32_t y) const {
+    const int32_t i = std::clamp((x >> (3 + log_side_)) - low_.x, -1, size_.x) + 1,
+                  j = std::clamp((y >> (3 + log_side_)) - low_.y, -1, size_.y) + 1;
+    return squares_[uint32_t(j * (size_.x + 2) + i)];
+  }
+  /// The place of a cell's column of blocks in its square.
+  uint32_t in_square(int32_t x, int32_t y) const {
+    const int32_t mask = (1 << log_side_) - 1;
+    return uint32_t((y >> 3 & mask) << log_side_ | (x >> 3 & mask));
+  }
+  /// The place of a cell's column of blocks among `columns_`.
+  uint32_t column_of(int32_t x, int32_t y) const {
+    return square(x, y) << 2 * log_side_ | in_square(x, y);
+  }
+  /// The place of a cell's block among `blocks_`.
+  uint32_t place(int32_t x, int32_t y, int32_t z) const {
+    const int32_t k = std::clamp((z >> 3) - low_.z, -1, size_.z) + 1;
+    return (square(x, y) * uint32_t(size_.z + 2) + uint32_t(k)) << 2 * log_side_ | in_square(x, y);
+  }
+  /// The word that holds the bit of a cell.
+  uint32_t word(int32_t x, int32_t y, int32_t z) const {
+    return words_[blocks_[place(x, y, z)] * kWords + uint32_t((z & 7) << 1 | (y >> 2 & 1))];
   }
 
-  std::vector<Slot> slots_;  // a power of two of them, of which at most half are taken
-  std::vector<Bits> bits_;
+  // The first part or the border of each table is empty, for what the map does not hold.
+  int log_side_ = 4;               // squares have 2^log_side_ blocks a side
+  Cell3 low_{}, size_{};           // the first square and block of height, and their numbers
+  std::vector<uint32_t> squares_;  // their numbers, from 1; x fastest
+  std::vector<uint32_t> blocks_;   // their numbers, from 1, by square; x fastest, then y
+  std::vector<uint32_t> words_;    // kWords for each block: by z, then two for its rows
+  std::vector<Column> columns_;    // by square, as the blocks of a layer
 };
 
 }  // namespace underbrush::trace

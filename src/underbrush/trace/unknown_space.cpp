@@ -118,23 +118,63 @@ double GroundHeights::between(const std::vector<float>& values, double x, double
          b * ((1 - a) * double(row[nx_]) + a * double(row[nx_ + 1]));
 }
 
+std::array<double, 2> GroundHeights::bounds(double x, double y, double side_m) const {
+  const auto node = [&](double at, int32_t low, int32_t count) {
+    return int32_t(std::clamp(at / side_m_ - 0.5 - low, 0.0, double(count - 1) - 1e-9));
+  };
+  const int32_t last_i = node(x + side_m, low_.x, nx_) + 1,
+                last_j = node(y + side_m, low_.y, ny_) + 1;
+  std::array<double, 2> out{HUGE_VAL, -HUGE_VAL};
+  for (int32_t j = node(y, low_.y, ny_); j <= last_j; ++j) {
+    for (int32_t i = node(x, low_.x, nx_); i <= last_i; ++i) {
+      const auto height = double(height_m_[size_t(j) * size_t(nx_) + size_t(i)]);
+      out = {std::min(out[0], height), std::max(out[1], height)};
+    }
+  }
+  return out;
+}
+
 UnknownSpace::UnknownSpace(const ObservedSpace& space, const elements::TriangleMesh& ground,
                            const Vec3& origin, const std::vector<bool>& keep)
-    : space_(space), origin_(origin), crossed_(space), ground_(ground, keep, space.lost) {
-  top_m_ = ObservedSpace::kHeightsM.front();
+    : space_(space),
+      origin_(origin),
+      ground_(ground, keep, space.lost),
+      most_(most_of(space)),
+      crossed_(space, [this](int32_t x, int32_t y) { return matter_above(x, y); }) {}
+
+UnknownSpace::Most UnknownSpace::most_of(const ObservedSpace& space) {
+  Most out;
   for (size_t h = 0; h < ObservedSpace::kHeights; ++h) {
     const auto& row = space.density_per_m[h];
     if (std::all_of(row.begin(), row.end(), [](float x) { return x == 0; })) continue;
-    top_m_ = h < ObservedSpace::kHeightsM.size() ? ObservedSpace::kHeightsM[h] : HUGE_VAL;
-    top_m_ = std::min(top_m_, space.top_m);
-    double& most =
-        h < ObservedSpace::height_interval(ObservedSpace::kGroundM) ? most_low_ : most_high_;
-    most = std::max(most, double(*std::ranges::max_element(row)));
+    out.height_m = h < ObservedSpace::kHeightsM.size() ? ObservedSpace::kHeightsM[h] : HUGE_VAL;
+    out.height_m = std::min(out.height_m, space.top_m);
+    const bool is_low = h < ObservedSpace::height_interval(ObservedSpace::kGroundM);
+    double& density = is_low ? out.low_density : out.high_density;
+    density = std::max(density, double(*std::ranges::max_element(row)));
   }
+  return out;
+}
+
+CrossedCells::Layers UnknownSpace::matter_above(int32_t x, int32_t y) const {
+  constexpr double kSlackM = 1e-6;  // for rounding
+  const auto layer = [this](double z_m) {
+    return int32_t(std::floor(std::clamp(z_m / space_.cell_m, -1e9, 1e9)));
+  };
+  CrossedCells::Layers out{INT32_MIN, INT32_MAX};
+  if (ground_.empty()) return out;
+  const double cell = space_.cell_m, x_m = x * cell, y_m = y * cell;
+  const auto [low, high] = ground_.bounds(x_m, y_m, cell);
+  out.last = layer(high + most_.height_m + kSlackM);
+  const auto is_known = [&](double dx, double dy) { return ground_.is_known(x_m + dx, y_m + dy); };
+  if (is_known(0, 0) && is_known(cell, 0) && is_known(0, cell) && is_known(cell, cell)) {
+    out.first = layer(low + ObservedSpace::kGroundM - kSlackM);
+  }
+  return out;
 }
 
 double UnknownSpace::depth(const Step& s) const {
-  if (s.height_m > top_m_) return 0;
+  if (s.height_m > most_.height_m) return 0;
   const size_t h = ObservedSpace::height_interval(s.height_m),
                r = ObservedSpace::range_interval(0.5 * (s.from_m + s.to_m));
   return double(space_.density_per_m[h][r]) * s.way_m(s.to_m);
@@ -162,32 +202,35 @@ std::optional<double> UnknownSpace::drawn_end(const Ray& ray, uint64_t key,
     end = s.from_m + (s.to_m - s.from_m) * free / of_step;
     return true;
   };
-  // Most rays pass, which follows from their draws alone. Only a ray that may end near the ground
-  // is followed again, because it has one trial where it first comes there.
-  bool comes_low = false;
-  const double density = std::max(most_high_, most_low_ * std::max(kLeastFall, -ray.direction.z()));
-  const double most = kSlack * density * space_.cell_m;
-  // To draw for all steps of a batch takes less than to look their cells up, if few draws are
-  // small.
+  // Most steps pass, which follows from their draws alone. To draw for all steps of a batch takes
+  // less than to look their cells up, if few draws are small.
+  const double density =
+      std::max(most_.high_density, most_.low_density * std::max(kLeastFall, -ray.direction.z()));
+  double most = kSlack * density * space_.cell_m;
   constexpr double kFew = 0.2;
-  const auto may_end = [&](const StepCells& cells, CrossedCells::Block& block) {
-    if (most < kFew) return drawn_at_most(most, key, cells);
-    return crossed_.hold(cells, block) ? 0u : ~0u;
+  const auto may_end = [&](const StepCells& cells) {
+    return most < kFew ? crossed_.without(drawn_at_most(most, key, cells), cells)
+                       : ~crossed_.among(cells);
   };
+  std::optional<bool> is_lost;  // whether the ray has no return from near the ground
   follow(ray, limits, may_end, [&](const Step& s) {
-    comes_low = s.is_low();
-    return !comes_low && !ends(s, depth(s));
-  });
-  if (!comes_low) return end;
-  bool is_low = false, is_lost = false;
-  follow(ray, limits, [&](const Step& s) {
-    if (s.is_low() && !is_low) {
-      is_low = true;
-      is_lost = drawn_in_cell(key, s.cell, 1) >= returns(s);
-    }
-    return !ends(s, s.is_low() && is_lost ? 0 : depth(s));
+    if ((s.is_low() && is_lost.value_or(false)) || !ends(s, depth(s))) return true;
+    if (s.is_low() && !is_lost) is_lost = is_lost_low(ray, key, limits);
+    if (!s.is_low() || !*is_lost) return false;
+    end.reset();
+    most = kSlack * most_.high_density * space_.cell_m;
+    return true;
   });
   return end;
+}
+
+bool UnknownSpace::is_lost_low(const Ray& ray, uint64_t key, const RangeLimits& limits) const {
+  bool out = false;
+  follow(ray, limits, [&](const Step& s) {
+    if (s.is_low()) out = drawn_in_cell(key, s.cell, 1) >= returns(s);
+    return !s.is_low();
+  });
+  return out;
 }
 
 void UnknownSpace::add_to(const Ray& ray, const RangeLimits& limits,

@@ -39,6 +39,9 @@ class GroundHeights {
   /// The range (m) at which a ray (frame of the mesh) first comes below the ground within limits,
   /// found in steps of `step_m`; empty where it does not.
   std::optional<double> entry(const Ray& ray, const RangeLimits& limits, double step_m) const;
+  /// The least and the greatest height in a square of the side `side_m`, whose least x and y are
+  /// given, or bounds of them.
+  std::array<double, 2> bounds(double x, double y, double side_m) const;
   double lowest_m() const { return lowest_m_; }
   double highest_m() const { return highest_m_; }
 
@@ -87,12 +90,10 @@ class UnknownSpace {
   /// it returns false. Steps above the highest interval in which there is matter are left out.
   template <class F>
   void follow(const Ray& ray, const RangeLimits& limits, F take) const {
-    const auto unknown = [this](const StepCells& cells, CrossedCells::Block& block) {
-      return crossed_.hold(cells, block) ? 0u : ~0u;
-    };
-    follow(ray, limits, unknown, take);
+    follow(
+        ray, limits, [this](const StepCells& cells) { return ~crossed_.among(cells); }, take);
   }
-  /// Does so without the steps that are not among the bits of `which(cells, block)`.
+  /// Does so with the steps that are among the bits of `which(cells)`.
   template <class Which, class F>
   void follow(const Ray& ray, const RangeLimits& limits, Which which, F take) const;
   const GroundHeights& ground() const { return ground_; }
@@ -117,6 +118,18 @@ class UnknownSpace {
               std::vector<Intersection>& out) const;
 
  private:
+  /// What no step exceeds.
+  struct Most {
+    double height_m = elements::ObservedSpace::kHeightsM.front();  ///< Of matter above the ground.
+    double low_density = 0, high_density = 0;  ///< Near the ground and above, 1/m.
+  };
+
+  static Most most_of(const elements::ObservedSpace& space);
+  /// Whether a ray that comes near the ground has no return from there, by the trial of the cell
+  /// where it first does.
+  bool is_lost_low(const Ray& ray, uint64_t key, const RangeLimits& limits) const;
+  /// The layers of cells above a cell of the plane in which a ray may end.
+  CrossedCells::Layers matter_above(int32_t x, int32_t y) const;
   /// The optical depth of a step.
   double depth(const Step& step) const;
   /// The probability that a ray returns which comes near the ground in a step.
@@ -127,10 +140,9 @@ class UnknownSpace {
 
   const elements::ObservedSpace& space_;
   Vec3 origin_;
-  CrossedCells crossed_;
   GroundHeights ground_;
-  double top_m_ = 0;                     // above the ground; nothing is met higher
-  double most_low_ = 0, most_high_ = 0;  // the greatest densities near the ground and above
+  Most most_;
+  CrossedCells crossed_;
 };
 
 /// The element number of matter that a ray meets in unknown space.
@@ -149,7 +161,7 @@ void UnknownSpace::follow(const Ray& ray, const RangeLimits& limits, Which which
   double from = limits.min_m, to = limits.max_m;
   const double rise = ray.direction.z();
   const double low = ground_.lowest_m() + elements::ObservedSpace::kHeightsM.front() - 1;
-  const double high = ground_.highest_m() + top_m_;
+  const double high = ground_.highest_m() + most_.height_m;
   if (std::abs(rise) > 1e-9) {
     const double a = (low - start.z()) / rise, b = (high - start.z()) / rise;
     from = std::max(from, std::min(a, b));
@@ -157,28 +169,36 @@ void UnknownSpace::follow(const Ray& ray, const RangeLimits& limits, Which which
   } else if (start.z() < low || start.z() > high) {
     return;
   }
-  CrossedCells::Block block;
-  StepCells cells;
+  // Most batches of steps lie in space that is known. What lies at their ends is looked up first,
+  // for as many batches as there are steps in one.
+  constexpr int kSteps = StepCells::kSteps;
+  const uint32_t falls = uint32_t(ray.direction.x() < 0) | uint32_t(ray.direction.y() < 0) << 1;
+  StepCells cells, ends;
   const auto begin_of = [&](int step) { return from + step * cell; };
-  for (int first = 0; begin_of(first) < to; first += StepCells::kSteps) {
+  for (int batch = 0; begin_of(kSteps * batch) < to; ++batch) {
+    const int first = kSteps * batch, place = batch % (kSteps - 1);
+    if (place == 0) {
+      const double step = kSteps * cell;
+      cells_of_steps(start, ray.direction, begin_of(first) - 0.5 * step, step, cell, ends);
+    }
+    if (crossed_.surely_hold(ends.of(place), ends.of(place + 1), falls)) continue;
     cells_of_steps(start, ray.direction, begin_of(first), cell, cell, cells);
     // The last step may be shorter.
-    int count = StepCells::kSteps;
+    int count = kSteps;
     if (!(begin_of(first + count - 1) + cell < to)) {
       count = 1;
       while (begin_of(first + count - 1) + cell < to) ++count;
       const double middle = 0.5 * (begin_of(first + count - 1) + to);
       cells.set(count - 1, cell_of(Vec3(start + middle * ray.direction), cell));
     }
-    for (uint32_t left = which(cells, block) & ((1u << count) - 1); left != 0; left &= left - 1) {
+    for (uint32_t left = which(cells) & ((1u << count) - 1); left != 0; left &= left - 1) {
       const int in_batch = std::countr_zero(left);
       const Cell3 c = cells.of(in_batch);
-      if (crossed_.holds(c, block)) continue;
       const double t = begin_of(first + in_batch), end = std::min(t + cell, to);
-      const Vec3 at = start + 0.5 * (t + end) * ray.direction;
-      const double height = at.z() - ground_.at(at.x(), at.y());
-      const Step step{t, end, height, CellHash()(c), at, std::max(kLeastFall, -rise)};
-      if (step.is_low() && ground_.is_known(at.x(), at.y())) continue;
+      const Vec3 middle = start + 0.5 * (t + end) * ray.direction;
+      const double height = middle.z() - ground_.at(middle.x(), middle.y());
+      const Step step{t, end, height, CellHash()(c), middle, std::max(kLeastFall, -rise)};
+      if (step.is_low() && ground_.is_known(middle.x(), middle.y())) continue;
       if (!take(step)) return;
     }
   }
