@@ -12,6 +12,7 @@ revolution when it is due, and prints how many were late and the server's memory
 from __future__ import annotations
 
 import argparse
+import collections
 import itertools
 import json
 import math
@@ -66,12 +67,15 @@ class Drive:
         return out
 
 
-def fire(client: SensorServer, drive: Drive, until_s: float, layout: str) -> int:
-    """Fires up to a time, and returns the number of rows."""
+def fire(client: SensorServer, drive: Drive, until_s: float, layout: str) -> float:
+    """Fires up to a time, and returns the seconds from the request to the arrays."""
     where = drive.sensor(until_s), drive.boxes(until_s)
+    start = time.perf_counter()
     if not layout:
-        return len(client.fire(until_s, *where)["range_m"])
-    return sum(part.rows for part in client.parts(until_s, *where, layout=layout))
+        client.fire(until_s, *where)
+    else:
+        collections.deque(client.parts(until_s, *where, layout=layout), maxlen=0)
+    return time.perf_counter() - start
 
 
 def processor_s(process: int) -> float:
@@ -82,11 +86,7 @@ def processor_s(process: int) -> float:
 
 def latencies(client: SensorServer, drive: Drive, step_s: float, rounds: int, layout: str) -> npt.NDArray[np.float64]:
     """The seconds of each firing, one asked for after the other."""
-    out = []
-    for _ in range(WARM_UP + rounds):
-        start = time.perf_counter()
-        fire(client, drive, client.time_s + step_s, layout)
-        out.append(time.perf_counter() - start)
+    out = [fire(client, drive, client.time_s + step_s, layout) for _ in range(WARM_UP + rounds)]
     return np.array(out[WARM_UP:])
 
 
@@ -114,9 +114,7 @@ def soak(client: SensorServer, drive: Drive, step_s: float, minutes: float, proc
     for k in range(round(60 * minutes / step_s)):
         due = begin + k * step_s
         time.sleep(max(0.0, due - time.perf_counter()))
-        start = time.perf_counter()
-        fire(client, drive, client.time_s + step_s, "")
-        times.append(time.perf_counter() - start)
+        times.append(fire(client, drive, client.time_s + step_s, ""))
         late += time.perf_counter() > due + step_s
         most = max(most, resident_mb())
         before = most if k == WARM_UP else before

@@ -188,12 +188,13 @@ double drawn_range(const Simulation& s, const Shots& shots, size_t k, const Inte
 }
 
 /// Draws the range at which a shot ends in unknown space, if that is nearer than the element it
-/// met; empty if it is not.
-std::optional<double> drawn_in_unknown(const Simulation& s, const Shots& shots, size_t k,
-                                       const Intersection& met) {
+/// met; infinite if it is not.
+double drawn_in_unknown(const Simulation& s, const Shots& shots, size_t k,
+                        const Intersection& met) {
   const trace::UnknownSpace* unknown = s.world.world().unknown_space();
-  if (!unknown) return {};
-  return unknown->drawn_end(shots.rays[k], s.matter.value_or(shots.keys[k]), s.limits, met);
+  if (!unknown) return HUGE_VAL;
+  return unknown->drawn_end(shots.rays[k], s.matter.value_or(shots.keys[k]), s.limits, met)
+      .value_or(HUGE_VAL);
 }
 
 /// Finds the element at which each shot ends, or draws a pixel of a keyframe. Pixels contain the
@@ -229,15 +230,17 @@ std::vector<BeamAnswer> drawn_answers(const Simulation& s, const Shots& shots) {
   std::vector<BeamAnswer> out(met.size());
   MatterAt matter_of(s.world);
   for (size_t k = 0; k < out.size(); ++k) {
-    out[k] = {0, cached[k] ? Intersection() : met[k], cached[k], {}};
-    if (cached[k]) continue;
-    if (const auto end = drawn_in_unknown(s, shots, k, met[k])) {
-      out[k].met = {};
+    if (cached[k]) {
+      out[k].cached = cached[k];
+      continue;
+    }
+    if (const double end = drawn_in_unknown(s, shots, k, met[k]); end < HUGE_VAL) {
       out[k].met.element = trace::kUnknown;
-      out[k].range_m = *end;
+      out[k].range_m = end;
       continue;
     }
     if (met[k].none()) continue;
+    out[k].met = met[k];
     const elements::Model& model = matter_of.model(met[k], shots.time_s[k]);
     if (s.options.draw == RangeDraw::kVolumetric &&
         model.kind(met[k].element) == elements::Kind::kEllipsoid) {
