@@ -6,7 +6,8 @@ benchmarks only counts and ratios of times from one run are compared.
 import pathlib
 import sys
 
-from . import light, matter, registry_bench, registry_evidence, registry_moving, registry_software, registry_summary
+from . import light, matter, registry_bench, registry_evidence, registry_moving, registry_scenes, registry_software
+from . import registry_summary
 from .common import BASELINES, HALVES, KEYS, LOGS, REAL_LOGS, STUDY, study
 from .jobs import Job, Measured, Part, read_json, read_rows
 from .tables import HEADING
@@ -211,38 +212,6 @@ def transfer(folder):
             yield *place, [s["f1"], s["informedness"], s["cloud_error_m"]]
 
 
-def scenes(where, group, spread):
-    rows = {"primitives": ["primitives"], "meshes (generated sites": ["meshes", "meshes (true species)"],
-            "meshes, not adapted": ["meshes, not adapted"],
-            "meshes (other species)": ["meshes (other species)"], "fit of the test log": ["geospecific"],
-            "replay": ["replay"], "always hit": ["always hit"]}
-
-    def cells(folder):
-        figures = read_json(folder / "study.json")["figures"][where]["mean"]
-        for row, names in rows.items():
-            s = next(figures[name] for name in names if name in figures)
-            for column, key in (("cloud error, m", "cloud_error_m"), ("packet error, m", "packet_error_m"),
-                                ("F1", "f1"), ("informedness", "informedness")):
-                yield row, f"{group}: {column}", [s[key]["mean"]] + ([s[key]["reach_95"]] if spread else [])
-    return cells
-
-
-FOREST = {"options": "--data drive", "before": 'mkdir drive\nln -s "$WORK/kitti_0027_forest" drive/\n',
-          "needs": (LOGS["kitti_0027_forest"],), "after": (HALVES["kitti_0027_forest"],)}
-PRIMITIVES = study("primitives", **FOREST)
-LADDER = study("scenes", **FOREST)
-
-
-def ladder(where, group):
-    def cells(folder):
-        for rung, s in read_json(folder / "study.json")["figures"][where]["mean"].items():
-            for column, key in (("packet error, m", "packet_error_m"), ("cloud error, m", "cloud_error_m"),
-                                ("capped error, m", "capped_error_m"), ("F1 of misses", "f1_of_misses"),
-                                ("informedness", "informedness")):
-                yield rung, f"{group}: {column}", [s[key]]
-    return cells
-
-
 def verification(folder):
     f = read_json(folder / "study.json")["figures"]
     yield "simulated, mean patch distance, mm", "ours", [1000 * f["miniature"]["mean_patch_distance_m"]]
@@ -360,11 +329,7 @@ MEASURED = {
                            uncompared={"published surface / volumetric": "figures of the paper"}),
     **registry_moving.measured(),
     "transfer": Measured((Part((study("transfer"),), transfer),)),
-    "scenes": Measured((Part((PRIMITIVES,), scenes("kitti_0027_forest", "drive", False)),
-                        Part((PRIMITIVES,), scenes("generated sites", "generated", True))),
-                       uncompared={"published": "figures of the paper"}),
-    "ladder": Measured((Part((LADDER,), ladder("kitti_0027_forest", "drive")),
-                        Part((LADDER,), ladder("generated sites", "generated")))),
+    **registry_scenes.MEASURED,
     "look-up": Measured((Part((LOOK_UP,), look_up),)),
     "segmentation": Measured(SEGMENTATION),
     "verification": Measured((Part((study("verification"),), verification),),

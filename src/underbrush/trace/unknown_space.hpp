@@ -75,8 +75,10 @@ class UnknownSpace {
  private:
   /// What no step exceeds.
   struct Most {
-    double height_m = elements::ObservedSpace::kHeightsM.front();  ///< Of matter above the ground.
-    double low_density = 0, high_density = 0;  ///< Near the ground and above, 1/m.
+    double height_m = elements::ObservedSpace::kHeightsM
+                          .front();  ///< The greatest height of matter above the ground, m.
+    double low_density = 0,
+           high_density = 0;  ///< The greatest density near the ground and above it, 1/m.
   };
 
   static Most most_of(const elements::ObservedSpace& space);
