@@ -5,6 +5,7 @@ drive around the sensor.
   pip install grpcio grpcio-tools numpy
   PYTHONPATH=build/python/package bench/live_server.py MODEL LOG                  latencies (a minute or two)
   PYTHONPATH=build/python/package bench/live_server.py MODEL LOG --minutes 30     and a soak at the sensor's rate
+  PYTHONPATH=build/python/package bench/live_server.py MODEL LOG --actors DIR     with actors that `actors` learnt
 
 Prints quantiles and a histogram of the latencies of whole revolutions and of tenths of one, in columns and as the
 bytes of a PointCloud2, and their jitter: the mean difference between a latency and the next. The soak asks for a
@@ -41,13 +42,13 @@ WARM_UP = 20  # firings that are not counted
 
 
 class Drive:
-    """Where the sensor and the boxes are: it goes along the log's way and back, and they drive around it."""
+    """Where the sensor and what moves are: it goes along the log's way and back, and they drive around it."""
 
-    def __init__(self, log: str, boxes: int) -> None:
+    def __init__(self, log: str, names: list[str]) -> None:
         self.way = underbrush.read_log(log).origin[::1000]
         steps = np.linalg.norm(np.diff(self.way, axis=0), axis=1)
         self.along = np.concatenate([[0.0], np.cumsum(steps)])
-        self.names = [f"box{k}" for k in range(boxes)]
+        self.names = names
 
     def sensor(self, time_s: float) -> Any:
         """Its pose."""
@@ -56,7 +57,7 @@ class Drive:
         at = length - at if turns % 2 else at
         return pose([float(np.interp(at, self.along, self.way[:, c])) for c in range(3)])
 
-    def boxes(self, time_s: float) -> dict[str, Any]:
+    def movers(self, time_s: float) -> dict[str, Any]:
         """Their poses: on circles of 6 m and more about the sensor, on the ground."""
         here, out = self.sensor(time_s), {}
         for k, name in enumerate(self.names):
@@ -67,9 +68,27 @@ class Drive:
         return out
 
 
+def what_moves(options: argparse.Namespace, folder: pathlib.Path) -> tuple[list[str], list[str]]:
+    """The names of what moves, and the options of `live` for it: boxes, or copies of learnt actors in turn."""
+    if not options.actors:
+        mesh = folder / "box.obj"
+        mesh.write_text(BOX, encoding="utf-8")
+        names = [f"box{k}" for k in range(options.boxes)]
+        return names, [word for name in names for word in ("--mover", f"{name}={mesh}")]
+    scene = json.loads((options.actors / "scene.json").read_text(encoding="utf-8"))
+    learnt = [model["name"] for model in scene["models"]]
+    names = [f"actor{k}" for k in range(options.boxes)]
+    edits = [{"edit": "copy", "actor": learnt[k % len(learnt)], "as": name} for k, name in enumerate(names)]
+    edits += [{"edit": "remove", "actor": name} for name in learnt]
+    file = folder / "edits.json"
+    file.write_text(json.dumps({"format": "underbrush-actor-edits", "version": 1,
+                                "actors": str(options.actors.resolve()), "edits": edits}), encoding="utf-8")
+    return names, ["--actors", str(file)]
+
+
 def fire(client: SensorServer, drive: Drive, until_s: float, layout: str) -> float:
     """Fires up to a time, and returns the seconds from the request to the arrays."""
-    where = drive.sensor(until_s), drive.boxes(until_s)
+    where = drive.sensor(until_s), drive.movers(until_s)
     start = time.perf_counter()
     if not layout:
         client.fire(until_s, *where)
@@ -130,16 +149,15 @@ def main() -> None:
     parser.add_argument("log", help="the sensor goes along the way of its beams")
     parser.add_argument("--program", default=program(), help="the program underbrush (default: that of the package)")
     parser.add_argument("--sensor", default="ouster-os1-128")
-    parser.add_argument("--boxes", type=int, default=10, help="how many move")
+    parser.add_argument("--boxes", type=int, default=10, help="how many boxes, or actors, move")
+    parser.add_argument("--actors", type=pathlib.Path, help="a folder that `underbrush actors` wrote, instead of boxes")
     parser.add_argument("--rounds", type=int, default=1000, help="firings of each kind")
     parser.add_argument("--layout", default="ouster", help="of the point clouds")
     parser.add_argument("--minutes", type=float, default=0, help="of the soak")
     options = parser.parse_args()
-    drive = Drive(options.log, options.boxes)
     with tempfile.TemporaryDirectory() as folder:
-        mesh = pathlib.Path(folder) / "box.obj"
-        mesh.write_text(BOX, encoding="utf-8")
-        movers = [word for name in drive.names for word in ("--mover", f"{name}={mesh}")]
+        names, movers = what_moves(options, pathlib.Path(folder))
+        drive = Drive(options.log, names)
         with subprocess.Popen([options.program, "live", options.model, "--sensor", options.sensor, *movers, "--json", "-"],
                               stdout=subprocess.PIPE, text=True) as server:
             assert server.stdout is not None
@@ -148,9 +166,9 @@ def main() -> None:
                 sys.exit("the server did not start")
             started = json.loads(reply + "}")
             try:
-                client = SensorServer(started["address"], started["token"], 0.0, drive.sensor(0), **drive.boxes(0))
+                client = SensorServer(started["address"], started["token"], 0.0, drive.sensor(0), **drive.movers(0))
                 told = client.describe().sensors[0]
-                print(f"{told.model}, {told.beams_per_revolution:.0f} beams a revolution, {options.boxes} boxes, "
+                print(f"{told.model}, {told.beams_per_revolution:.0f} beams a revolution, {len(names)} {'actors' if options.actors else 'boxes'}, "
                       f"{underbrush.threads()} threads")
                 for layout in ("", options.layout):
                     for name, part in (("a revolution", 1), ("a tenth of one", 10)):

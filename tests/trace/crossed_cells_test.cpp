@@ -72,7 +72,7 @@ TEST(CrossedCells, ALineThatSurelyLiesInThemHasNoOtherCell) {
       expected = expected && (crossed.holds(c) || c.z > 8);
     }
     const Cell3 begin = cell_of(from, 1), end = cell_of(Vec3(from + way), 1);
-    const bool is_sure = crossed.surely_hold(begin, end, falls);
+    const bool is_sure = CrossedCells::Way(crossed, falls).surely_crossed(begin, end);
     ASSERT_TRUE(expected || !is_sure) << k;
     sure += is_sure;
     all += expected;

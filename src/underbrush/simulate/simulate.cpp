@@ -225,9 +225,10 @@ CachedReturns nearest_answers(const Simulation& s, const Shots& shots,
 /// Draws the answer to each shot: the nearest element that accepts it, what is in unknown space
 /// before that or a pixel of a keyframe, and then the range.
 std::vector<BeamAnswer> drawn_answers(const Simulation& s, const Shots& shots) {
-  std::vector<Intersection> met(shots.rays.size());
+  // Copies of a value are made faster than values that the vector sets to zero first.
+  std::vector<Intersection> met(shots.rays.size(), Intersection{});
   const CachedReturns cached = nearest_answers(s, shots, met);
-  std::vector<BeamAnswer> out(met.size());
+  std::vector<BeamAnswer> out(met.size(), BeamAnswer{});
   MatterAt matter_of(s.world);
   for (size_t k = 0; k < out.size(); ++k) {
     if (cached[k]) {

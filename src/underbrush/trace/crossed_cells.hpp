@@ -60,6 +60,7 @@ class CrossedCells {
   bool holds(const Cell3& c) const { return word(c.x, c.y, c.z) >> bit(c.x, c.y) & 1; }
   /// The steps, as bits, whose cells a beam crossed.
   uint32_t among(const StepCells& cells) const;
+  class Way;
   /// The steps among the bits `of` whose cells no beam crossed.
   uint32_t without(uint32_t of, const StepCells& cells) const {
     for (uint32_t left = of; left != 0; left &= left - 1) {
@@ -67,15 +68,6 @@ class CrossedCells {
       of &= ~(uint32_t(holds(cells.of(step))) << step);
     }
     return of;
-  }
-  /// Whether beams crossed all cells of a line between two cells that are at most a block apart
-  /// along each axis. `falls` has bit 0 for x and bit 1 for y that fall along the line. The answer
-  /// may be no although they did.
-  bool surely_hold(const Cell3& from, const Cell3& to, uint32_t falls) const {
-    const Column& column = columns_[column_of(from.x, from.y)];
-    const Layers& all = column.crossed[falls];
-    const int32_t low = std::min(from.z, to.z), high = std::max(from.z, to.z);
-    return (low >= all.first && high <= all.last) || low > column.above[falls];
   }
 
  private:
@@ -127,6 +119,33 @@ class CrossedCells {
   std::vector<uint32_t> blocks_;   // their numbers, from 1, by square; x fastest, then y
   std::vector<uint32_t> words_;    // kWords for each block: by z, then two for its rows
   std::vector<Column> columns_;    // by square, as the blocks of a layer
+};
+
+/// Looks up lines on the way of a ray, one after the other, which are a block long at most along
+/// each axis. `falls` has bit 0 for x and bit 1 for y that fall along the ray.
+class CrossedCells::Way {
+ public:
+  Way(const CrossedCells& cells, uint32_t falls) : cells_(cells), falls_(falls) {}
+  /// Whether beams crossed all cells of the line between two cells. The answer may be no although
+  /// they did.
+  bool surely_crossed(const Cell3& from, const Cell3& to) {
+    const int log_square = 3 + cells_.log_side_;
+    if (!columns_ || ((from.x ^ last_.x) | (from.y ^ last_.y)) >> log_square != 0) {
+      const size_t square = cells_.square(from.x, from.y);
+      columns_ = &cells_.columns_[square << 2 * cells_.log_side_];
+      last_ = from;
+    }
+    const Column& column = columns_[cells_.in_square(from.x, from.y)];
+    const Layers& all = column.crossed[falls_];
+    const int32_t low = std::min(from.z, to.z), high = std::max(from.z, to.z);
+    return (low >= all.first && high <= all.last) || low > column.above[falls_];
+  }
+
+ private:
+  const CrossedCells& cells_;
+  uint32_t falls_;
+  Cell3 last_{};                     // the cell of the call before
+  const Column* columns_ = nullptr;  // those of its square
 };
 
 }  // namespace underbrush::trace

@@ -126,19 +126,20 @@ void UnknownSpace::follow(const Ray& ray, const RangeLimits& limits, Which which
   } else if (start.z() < low || start.z() > high) {
     return;
   }
-  // Most batches of steps lie in space that is known. What lies at their ends is looked up first,
-  // for as many batches as there are steps in one.
+  // Most batches of steps lie in space that is known. Their ends are looked up first, in groups of
+  // as many batches as there are steps in one.
   constexpr int kSteps = StepCells::kSteps;
-  const uint32_t falls = uint32_t(ray.direction.x() < 0) | uint32_t(ray.direction.y() < 0) << 1;
+  CrossedCells::Way way(crossed_, uint32_t(ray.direction.x() < 0) | uint32_t(ray.direction.y() < 0)
+                                                                        << 1);
   StepCells cells, ends;
   const auto begin_of = [&](int step) { return from + step * cell; };
-  for (int batch = 0; begin_of(kSteps * batch) < to; ++batch) {
-    const int first = kSteps * batch, place = batch % (kSteps - 1);
-    if (place == 0) {
-      const double step = kSteps * cell;
-      cells_of_steps(start, ray.direction, begin_of(first) - 0.5 * step, step, cell, ends);
+  for (int first = 0, place = 0; begin_of(first) < to; first += kSteps, ++place) {
+    if (first == 0 || place == kSteps - 1) {
+      const double length = kSteps * cell;
+      cells_of_steps(start, ray.direction, begin_of(first) - 0.5 * length, length, cell, ends);
+      place = 0;
     }
-    if (crossed_.surely_hold(ends.of(place), ends.of(place + 1), falls)) continue;
+    if (way.surely_crossed(ends.of(place), ends.of(place + 1))) continue;
     cells_of_steps(start, ray.direction, begin_of(first), cell, cell, cells);
     // The last step may be shorter.
     int count = kSteps;
