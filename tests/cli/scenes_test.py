@@ -173,8 +173,14 @@ class Scenes(cli_test.OnALog):
         for kind in ("forest", "savanna", "meadow"):
             made = self.json_of("annotate", "--generate", kind, "--size", "60", "40", "-o", "made.json")
             self.assertGreater(made["objects"], 10)
-            scene = self.json_of("compose", "made.json", "primitives", "-o", "scene")
-            self.assertEqual(scene["instances"] + sum(scene["left_out"].values()), made["objects"])
+            files = []
+            for threads in (1, 2, 3):  # which change nothing
+                scene = self.json_of("compose", "made.json", "primitives", "-o", "scene", "--threads", threads, "--force")
+                self.assertEqual(scene["instances"] + sum(scene["left_out"].values()), made["objects"])
+                files.append({f: re.sub(rb'"--threads", "\d"', b"", f.read_bytes())
+                              for f in sorted((self.folder / "scene").rglob("*.*"))})
+            self.assertGreater(len(files[0]), 2)
+            self.assertTrue(files[0] == files[1] == files[2])
 
     def test_a_library_of_two_sets(self):
         merged = self.json_of("primitives", "merge", "primitives", "primitives", "--of-site", "creek", "--of-season",
