@@ -57,10 +57,15 @@ int main(int argc, char** argv) {
   std::unique_ptr<pipeline::TracedWorld> world;
   const double build_s =
       seconds_of([&] { world = std::make_unique<pipeline::TracedWorld>(model); });
-  pipeline::Simulation simulation(*world, {});
-  BeamLog answered = log;
-  const double simulate_rate =
-      median_rate(log.size(), runs, [&] { simulation.answer(0, answered); });
+  const auto simulate_rate_with = [&](bool keyframes) {
+    pipeline::SimulateOptions options;
+    options.keyframes = keyframes;
+    pipeline::Simulation simulation(*world, options);
+    BeamLog answered = log;
+    return median_rate(log.size(), runs, [&] { simulation.answer(0, answered); });
+  };
+  const double simulate_rate = simulate_rate_with(true),
+               bare_rate = simulate_rate_with(false);  // without keyframes
   const bench::Embree embree(model.ground);
   std::vector<Ray> rays;
   for (size_t i = 0; i < log.size(); ++i) {
@@ -85,6 +90,8 @@ int main(int argc, char** argv) {
   j["world_build_s"] = build_s;
   j["simulate_beams_per_s"] = simulate_rate;
   j["simulate_hdl64e_realtime_multiple"] = simulate_rate / kHdl64eBeamsPerS;
+  j["simulate_without_keyframes_beams_per_s"] = bare_rate;
+  j["simulate_without_keyframes_hdl64e_realtime_multiple"] = bare_rate / kHdl64eBeamsPerS;
   j["embree_ground_closest_hit_rays_per_s"] = embree_rate;
   j["simulate_to_embree_ground_ratio"] = simulate_rate / embree_rate;
   for (const auto& [key, value] : j.items())

@@ -78,4 +78,18 @@ void parallel_invoke(const std::function<void()>& a, const std::function<void()>
   if (error) std::rethrow_exception(error);
 }
 
+struct Background::Impl {
+  std::function<void()> work;  // which is done where it is waited for
+};
+
+Background::Background() : impl_(std::make_unique<Impl>()) {}
+
+Background::~Background() = default;
+
+void Background::start(std::function<void()> work) { impl_->work = std::move(work); }
+
+void Background::wait() {
+  if (const auto work = std::exchange(impl_->work, nullptr)) work();
+}
+
 }  // namespace underbrush

@@ -9,12 +9,14 @@
 #include <tbb/parallel_sort.h>
 #include <tbb/partitioner.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <atomic>
 #include <exception>
 #include <memory>
 #include <mutex>
+#include <utility>
 
 namespace underbrush {
 namespace {
@@ -115,6 +117,32 @@ void parallel_invoke(const std::function<void()>& a, const std::function<void()>
   FirstException first(2);
   tbb::parallel_invoke([&] { first.run(0, a); }, [&] { first.run(1, b); });
   first.rethrow();
+}
+
+struct Background::Impl {
+  tbb::task_group group;
+  std::exception_ptr error;
+};
+
+Background::Background() : impl_(std::make_unique<Impl>()) {}
+
+Background::~Background() { impl_->group.wait(); }
+
+void Background::start(std::function<void()> work) {
+  impl_->group.run([this, work = std::move(work)] {
+    try {
+      work();
+    } catch (...) {
+      impl_->error = std::current_exception();
+    }
+  });
+}
+
+void Background::wait() {
+  impl_->group.wait();
+  if (const std::exception_ptr error = std::exchange(impl_->error, nullptr)) {
+    std::rethrow_exception(error);
+  }
 }
 
 }  // namespace underbrush

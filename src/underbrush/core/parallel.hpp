@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <vector>
 
 namespace underbrush {
@@ -33,5 +34,24 @@ void sort_keys(std::vector<std::array<uint64_t, 2>>& keys);
 /// Calls `a` and `b`, at the same time if a thread is free. If both throw, the exception of `a` is
 /// passed on. An exception of one call does not interrupt the other.
 void parallel_invoke(const std::function<void()>& a, const std::function<void()>& b);
+
+/// Calls that go on beside their caller while a thread is free, one at a time.
+class Background {
+ public:
+  Background();
+  ~Background();  ///< Waits, and drops an exception.
+  Background(const Background&) = delete;
+  Background& operator=(const Background&) = delete;
+
+  /// Begins a call. The one before must have been waited for.
+  void start(std::function<void()> work);
+  /// Waits for the call, if there is one; the waiting thread takes part in it. Passes its exception
+  /// on.
+  void wait();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 }  // namespace underbrush

@@ -4,6 +4,7 @@
 
 #include "underbrush/core/beam_window.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/read_ahead.hpp"
 #include "underbrush/pipeline/out_of_reach.hpp"
 #include "underbrush/simulate/simulate.hpp"
 
@@ -95,8 +96,11 @@ SimulateCounts simulate_log(Simulation& simulation, BeamSource& beams,
     simulated.name_classes(simulation.world().element_classes());
   }
   Watched watched(simulated, progress);
-  watched.rewind();
-  write(watched);
+  {
+    ReadAhead ahead(watched);  // the next beams are simulated while the last ones are written
+    ahead.rewind();
+    write(ahead);
+  }
   SimulateCounts out{simulated.beams(), simulated.rows(), simulated.hits(), simulated.seconds()};
   if (out.beams > 0 && out.hits == 0) {
     out.warnings.push_back(
