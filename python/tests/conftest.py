@@ -33,6 +33,17 @@ def model(log_file: pathlib.Path) -> underbrush.Model:
 
 
 @pytest.fixture(scope="session")
+def box_mesh(tmp_path_factory: pytest.TempPathFactory) -> pathlib.Path:
+    """A box of 4 m x 2 m x 2 m."""
+    path = tmp_path_factory.mktemp("box") / "box.obj"
+    corners = [(x, y, z) for x in (-2, 2) for y in (-1, 1) for z in (-1, 1)]
+    sides = [(1, 2, 4, 3), (5, 6, 8, 7), (1, 2, 6, 5), (3, 4, 8, 7), (1, 3, 7, 5), (2, 4, 8, 6)]
+    path.write_text("".join(f"v {x} {y} {z}\n" for x, y, z in corners) +
+                    "".join(f"f {a} {b} {c}\nf {a} {c} {d}\n" for a, b, c, d in sides), encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="session")
 def run() -> Callable[..., str]:
     """Runs the program of the package and returns what it printed."""
     def run_program(*words: object) -> str:
