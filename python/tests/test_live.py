@@ -1,6 +1,7 @@
 """Tests of live sensors in process: several on a vehicle, objects that the caller moves, and point clouds."""
 from __future__ import annotations
 
+import json
 import pathlib
 
 import numpy as np
@@ -96,6 +97,29 @@ def test_an_actor_without_an_earlier_pose_stands(model: underbrush.Model, box_me
         lidar.scan(AT[0], time=5.0)
         assert same([moved], lidar.scan(AT[0], actors={"van": still}))
     assert (expected.range_m != underbrush.Lidar(model, SENSOR).scan(AT[0]).range_m).any()
+
+
+def test_learnt_actors_are_those_of_simulate(model: underbrush.Model, learnt_actors: pathlib.Path,
+                                             tmp_path: pathlib.Path) -> None:
+    """Without poses they move as they were recorded, and with poses as along a trajectory of an edit."""
+    lidar = underbrush.Lidar(model, SENSOR, actors=learnt_actors)
+    assert lidar.actors == ["car-1"]
+    plain = underbrush.simulate(model, sensor=SENSOR, trajectory=PATH)
+    recorded = underbrush.simulate(model, sensor=SENSOR, trajectory=PATH, actors=learnt_actors)
+    assert (recorded.range_m != plain.range_m).sum() > 200
+    assert same([lidar.fire(AT[k - 1], AT[k], TIMES[k - 1], TIMES[k]) for k in range(1, len(TIMES))], recorded)
+    rows = [" ".join(map(repr, map(float, [t, *p.position, *p.rotation]))) for t, p in zip(TIMES, ASIDE, strict=True)]
+    (tmp_path / "poses.txt").write_text("\n".join(rows) + "\n", encoding="utf-8")
+    edit = {"edit": "trajectory", "actor": "car-1", "trajectory": "poses.txt"}
+    (tmp_path / "edits.json").write_text(json.dumps({
+        "format": "underbrush-actor-edits", "version": 1, "actors": str(learnt_actors), "edits": [edit]}),
+        encoding="utf-8")
+    lidar.reset()
+    given: list[underbrush.live.Actors] = [{"car-1": beginning()}, *({"car-1": at} for at in ASIDE[2:])]
+    parts = [lidar.fire(AT[k - 1], AT[k], TIMES[k - 1], TIMES[k], actors=given[k - 1]) for k in range(1, len(TIMES))]
+    edited = underbrush.simulate(model, sensor=SENSOR, trajectory=PATH, actors=tmp_path / "edits.json")
+    assert (edited.range_m != recorded.range_m).sum() > 200
+    assert same(parts, edited)
 
 
 def test_clouds_have_the_points_of_the_beams(model: underbrush.Model, rig: pathlib.Path) -> None:

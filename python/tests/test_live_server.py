@@ -187,6 +187,40 @@ def test_a_lidar_in_process_is_the_server(rig_server: Server, world: pathlib.Pat
                 assert list(cloud.world_from_sensor.position) == [body.x, body.y, body.z]
 
 
+def test_learnt_actors_are_those_of_simulate(world: pathlib.Path, learnt_actors: pathlib.Path,
+                                             tmp_path: pathlib.Path) -> None:
+    """Learnt actors move as recorded, or as the client says, or are absent: to the bit as `simulate --actors` has it."""
+    times = [0.05 * k for k in range(1, 11)]  # from the first scan in which the actor was found
+    way = [place(t) for t in times]
+    car = {t: ([6 - 9 * t, 4 + 2 * t, 1.2], [0, 0, math.sin(t), math.cos(t)]) for t in times}
+    (tmp_path / "car.txt").write_text("".join(
+        " ".join(map(repr, map(float, [t, *p, *q]))) + "\n" for t, (p, q) in car.items()), encoding="utf-8")
+
+    def edited(name: str, **edit: str) -> pathlib.Path:
+        path = tmp_path / f"{name}.json"
+        path.write_text(json.dumps({"format": "underbrush-actor-edits", "version": 1, "actors": str(learnt_actors),
+                                    "edits": [{"edit": name, "actor": "car-1", **edit}]}), encoding="utf-8")
+        return path
+
+    poses = {t: live.pose(*at_time) for t, at_time in car.items()}
+    cases: list[tuple[pathlib.Path, Any]] = [
+        (learnt_actors, lambda t: {}), (edited("trajectory", trajectory="car.txt"), lambda t: {"car-1": poses[t]}),
+        (edited("remove"), lambda t: {"car-1": None})]
+    path = underbrush.Trajectory(np.array(times), np.array([p for p, _ in way]), np.array([q for _, q in way]))
+    columns = ["range_m", "intensity", "time_s", "ring", "scan", "origin", "direction"]
+    seen = []
+    with serving(world, "--sensor", SENSOR, "--actors", learnt_actors) as own:
+        assert list(own.client().describe().actors) == ["car-1"]
+        for actors, given in cases:
+            expected = underbrush.simulate(world, sensor=SENSOR, trajectory=path, actors=actors)
+            client = live.SensorServer(own.address, own.token, times[0], at(times[0]), **given(times[0]))
+            pieces = [client.fire(t, at(t), given(t), columns=columns) for t in times[1:]]
+            for name in columns:
+                assert np.concatenate([p[name] for p in pieces]).tobytes() == getattr(expected, name).tobytes(), name
+            seen.append(expected.range_m)
+    assert all((a != b).sum() > 200 for a, b in itertools.combinations(seen, 2))
+
+
 def test_requests_name_worlds_of_a_folder(world: pathlib.Path, tmp_path: pathlib.Path) -> None:
     """The same request in another world is answered by that world, and nothing outside of the folder is opened."""
     (tmp_path / "worlds").mkdir()
