@@ -127,8 +127,8 @@ def rig(tmp_path_factory: pytest.TempPathFactory) -> pathlib.Path:
     """A rig of two sensors."""
     file = tmp_path_factory.mktemp("rig") / "rig.yaml"
     file.write_text("name: two\nsensors:\n" + "".join(
-        f"  - name: {name}\n    sensor: {SENSOR}\n    position_m: [{x}, 0, 0.2]\n" for name, x in (("a", 1), ("b", -1))),
-        encoding="utf-8")
+        f"  - name: {name}\n    sensor: {SENSOR}\n    position_m: [{x}, 0, 0.2]\n"
+        for name, x in (("a", 1), ("b", -1))), encoding="utf-8")
     return file
 
 
@@ -189,7 +189,7 @@ def test_a_lidar_in_process_is_the_server(rig_server: Server, world: pathlib.Pat
 
 def test_learnt_actors_are_those_of_simulate(world: pathlib.Path, learnt_actors: pathlib.Path,
                                              tmp_path: pathlib.Path) -> None:
-    """Learnt actors move as recorded, or as the client says, or are absent: to the bit as `simulate --actors` has it."""
+    """Learnt actors that move as recorded or on other paths, or are absent, are those of `simulate --actors`."""
     times = [0.05 * k for k in range(1, 11)]  # from the first scan in which the actor was found
     way = [place(t) for t in times]
     car = {t: ([6 - 9 * t, 4 + 2 * t, 1.2], [0, 0, math.sin(t), math.cos(t)]) for t in times}
