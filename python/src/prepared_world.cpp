@@ -1,6 +1,7 @@
 #include "prepared_world.hpp"
 
 #include "underbrush/io/poses.hpp"
+#include "underbrush/live/open_world.hpp"
 
 namespace underbrush::python {
 namespace {
@@ -10,7 +11,8 @@ std::optional<pipeline::World> own_world(const GivenWorld& given, const Simulate
   if (const auto* path = std::get_if<std::filesystem::path>(&given)) {
     return pipeline::open_world(*path, options.read);
   }
-  if (options.movers.empty() && !pipeline::changes_world(options.pipeline)) {
+  if (options.movers.empty() && options.absent.empty() &&
+      !pipeline::changes_world(options.pipeline)) {
     return std::nullopt;
   }
   pipeline::World own;
@@ -25,17 +27,15 @@ std::optional<pipeline::World> own_world(const GivenWorld& given, const Simulate
   return own;
 }
 
+elements::Model mover_of(const GivenModel& given) {
+  if (const auto* model = std::get_if<const ModelValue*>(&given)) return **model;
+  return actors::read_mover(std::get<std::filesystem::path>(given));
+}
+
 void add_mover(pipeline::World& world, const GivenMover& mover) {
   const auto& [moved, poses, material] = mover;
-  const auto* file = std::get_if<std::filesystem::path>(&moved);
   const auto* poses_file = std::get_if<std::filesystem::path>(&poses);
-  elements::Model model;
-  if (file) {
-    model = actors::read_mover(*file);
-  } else {
-    model = *std::get<const ModelValue*>(moved);
-  }
-  pipeline::add_mover(world, std::move(model),
+  pipeline::add_mover(world, mover_of(moved),
                       poses_file ? io::read_trajectory(*poses_file) : std::get<Trajectory>(poses),
                       material);
 }
@@ -46,6 +46,7 @@ PreparedWorld::PreparedWorld(const GivenWorld& given, const SimulateOptions& opt
   const pipeline::Matter matter = pipeline::matter_of(options.pipeline);
   if (std::optional<pipeline::World> own = own_world(given, options)) {
     for (const GivenMover& mover : options.movers) add_mover(*own, mover);
+    for (const auto& [name, model] : options.absent) live::add_absent(*own, name, mover_of(model));
     pipeline::change_world(*own, options.pipeline);
     traced_ = std::make_unique<pipeline::TracedWorld>(std::move(*own), matter);
   } else if (const auto* model = std::get_if<const ModelValue*>(&given)) {

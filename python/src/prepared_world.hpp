@@ -1,6 +1,7 @@
 /// \file
 /// The worlds into which beams are fired, as Python gives them.
 #pragma once
+#include <map>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -21,6 +22,7 @@ using GivenMover =
 struct SimulateOptions {
   pipeline::SimulateOptions pipeline;
   std::vector<GivenMover> movers;
+  std::map<std::string, GivenModel> absent;  ///< Movers without a motion of their own, by name.
   report::SimulateFiles files;
   worlds::ReadOptions read;  ///< The options for reading a world of another program.
 };

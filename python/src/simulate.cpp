@@ -1,6 +1,7 @@
 /// \file
 /// The verb `simulate`.
 #include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
@@ -108,7 +109,8 @@ void bind_simulate_options(nb::module_& m) {
       .def_prop_rw(
           "seed", [](const O& o) { return o.pipeline.seed; },
           [](O& o, uint64_t v) { o.pipeline.seed = v; })
-      .def_rw("movers", &O::movers);
+      .def_rw("movers", &O::movers)
+      .def_rw("absent", &O::absent);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import contextlib
 import importlib
+import itertools
 import json
 import math
 import os
@@ -121,26 +122,103 @@ def test_a_hundred_revolutions_are_those_of_simulate(world: pathlib.Path, server
     assert sizes[-1] - max(sizes[:15]) < 5, "memory stays flat"
 
 
-def test_describes_itself(world: pathlib.Path, tmp_path: pathlib.Path) -> None:
+@pytest.fixture(scope="module")
+def rig(tmp_path_factory: pytest.TempPathFactory) -> pathlib.Path:
+    """A rig of two sensors."""
+    file = tmp_path_factory.mktemp("rig") / "rig.yaml"
+    file.write_text("name: two\nsensors:\n" + "".join(
+        f"  - name: {name}\n    sensor: {SENSOR}\n    position_m: [{x}, 0, 0.2]\n"
+        for name, x in (("a", 1), ("b", -1))), encoding="utf-8")
+    return file
+
+
+@pytest.fixture(scope="module")
+def rig_server(world: pathlib.Path, rig: pathlib.Path, box_mesh: pathlib.Path) -> Iterator[Server]:
+    """A server of a rig of two sensors, and of a box that clients move."""
+    with serving(world, "--rig", rig, "--mover", f"box={box_mesh}") as one:
+        yield one
+
+
+def test_describes_itself(rig_server: Server) -> None:
     """Sensors of a rig and movers are listed, and the rig's beams tell their sensors apart."""
-    (tmp_path / "box.obj").write_text("v 0 -1 -1\nv 0 1 -1\nv 0 1 2\nf 1 2 3\n", encoding="utf-8")
-    rig = "name: two\nsensors:\n" + "".join(
-        f"  - name: {name}\n    sensor: {SENSOR}\n    position_m: [{x}, 0, 0.2]\n" for name, x in (("a", 1), ("b", -1)))
-    (tmp_path / "rig.yaml").write_text(rig, encoding="utf-8")
-    with serving(world, "--rig", tmp_path / "rig.yaml", "--mover", f"box={tmp_path / 'box.obj'}") as own:
-        client = own.client()
-        told = client.describe()
-        assert [s.name for s in told.sensors] == ["a", "b"]
-        assert list(told.actors) == ["box"]
-        without = client.fire(0.1, at(0.1))
-        assert set(without["sensor"]) == {0, 1}
-        assert (np.diff(without["time_s"]) >= 0).all()
-        again = own.client()
-        seen = again.fire(0.1, at(0.1), {"box": live.pose([3, 0, 1.8])})
-        assert (seen["range_m"] != without["range_m"]).any()
-        clouds = [part.cloud for part in own.client().parts(0.1, at(0.1), layout="velodyne")]
-        assert [c.sensor for c in clouds] == ["a", "b"]
-        assert all(len(c.data) == c.point_step * c.width * c.height > 0 for c in clouds)
+    client = rig_server.client()
+    told = client.describe()
+    assert [s.name for s in told.sensors] == ["a", "b"]
+    assert list(told.actors) == ["box"]
+    without = client.fire(0.1, at(0.1))
+    assert set(without["sensor"]) == {0, 1}
+    assert (np.diff(without["time_s"]) >= 0).all()
+    again = rig_server.client()
+    seen = again.fire(0.1, at(0.1), {"box": live.pose([6, 0, 1.8])})
+    assert (seen["range_m"] != without["range_m"]).any()
+    clouds = [part.cloud for part in rig_server.client().parts(0.1, at(0.1), layout="velodyne")]
+    assert [c.sensor for c in clouds] == ["a", "b"]
+    assert all(len(c.data) == c.point_step * c.width * c.height > 0 for c in clouds)
+
+
+def test_a_lidar_in_process_is_the_server(rig_server: Server, world: pathlib.Path, rig: pathlib.Path,
+                                          box_mesh: pathlib.Path) -> None:
+    """`Lidar` has the columns and the clouds of the server for the same poses of vehicle and actors, to the bit."""
+    times = [0.0, 0.03, 0.1, 0.15]
+    box = {0.03: [8, 1, 1.8], 0.1: [7, 2, 1.8], 0.15: None}
+    poses = {t: underbrush.Pose(*place(t)) for t in times}
+    lidar = underbrush.Lidar(world, rig=rig, movers={"box": box_mesh})
+    assert list(lidar.sensors) == [s.name for s in rig_server.client().describe().sensors]
+    for layout in ("", "velodyne", "autoware"):
+        lidar.reset()
+        client = rig_server.client()
+        for start, end in itertools.pairwise(times):
+            theirs = {"box": box[end] and live.pose(box[end])}
+            ours = {"box": underbrush.Pose(box[end]) if box[end] else None}
+            span = (poses[start], poses[end], start, end)
+            if not layout:
+                beams, columns = lidar.fire(*span, actors=ours), client.fire(end, at(end), theirs)
+                assert columns.pop("sensor").tobytes() == beams.extra["sensor"].tobytes()
+                assert all(values.tobytes() == getattr(beams, name).tobytes() for name, values in columns.items())
+                continue
+            clouds = lidar.fire_clouds(*span, actors=ours, layout=layout)
+            answers = [part.cloud for part in client.parts(end, at(end), theirs, layout=layout)]
+            for cloud, answer in zip(clouds, answers, strict=True):
+                for name in ("sensor", "height", "width", "point_step", "data"):
+                    assert getattr(cloud, name) == getattr(answer, name), name
+                assert cloud.fields == [(f.name, f.offset, f.datatype) for f in answer.fields]
+                assert cloud.time_s == answer.stamp_s
+                body = answer.world_from_sensor.world_from_body
+                assert list(cloud.world_from_sensor.position) == [body.x, body.y, body.z]
+
+
+def test_learnt_actors_are_those_of_simulate(world: pathlib.Path, learnt_actors: pathlib.Path,
+                                             tmp_path: pathlib.Path) -> None:
+    """Learnt actors that move as recorded or on other paths, or are absent, are those of `simulate --actors`."""
+    times = [0.05 * k for k in range(1, 11)]  # from the first scan in which the actor was found
+    way = [place(t) for t in times]
+    car = {t: ([6 - 9 * t, 4 + 2 * t, 1.2], [0, 0, math.sin(t), math.cos(t)]) for t in times}
+    (tmp_path / "car.txt").write_text("".join(
+        " ".join(map(repr, map(float, [t, *p, *q]))) + "\n" for t, (p, q) in car.items()), encoding="utf-8")
+
+    def edited(name: str, **edit: str) -> pathlib.Path:
+        path = tmp_path / f"{name}.json"
+        path.write_text(json.dumps({"format": "underbrush-actor-edits", "version": 1, "actors": str(learnt_actors),
+                                    "edits": [{"edit": name, "actor": "car-1", **edit}]}), encoding="utf-8")
+        return path
+
+    poses = {t: live.pose(*at_time) for t, at_time in car.items()}
+    cases: list[tuple[pathlib.Path, Any]] = [
+        (learnt_actors, lambda t: {}), (edited("trajectory", trajectory="car.txt"), lambda t: {"car-1": poses[t]}),
+        (edited("remove"), lambda t: {"car-1": None})]
+    path = underbrush.Trajectory(np.array(times), np.array([p for p, _ in way]), np.array([q for _, q in way]))
+    columns = ["range_m", "intensity", "time_s", "ring", "scan", "origin", "direction"]
+    seen = []
+    with serving(world, "--sensor", SENSOR, "--actors", learnt_actors) as own:
+        assert list(own.client().describe().actors) == ["car-1"]
+        for actors, given in cases:
+            expected = underbrush.simulate(world, sensor=SENSOR, trajectory=path, actors=actors)
+            client = live.SensorServer(own.address, own.token, times[0], at(times[0]), **given(times[0]))
+            pieces = [client.fire(t, at(t), given(t), columns=columns) for t in times[1:]]
+            for name in columns:
+                assert np.concatenate([p[name] for p in pieces]).tobytes() == getattr(expected, name).tobytes(), name
+            seen.append(expected.range_m)
+    assert all((a != b).sum() > 200 for a, b in itertools.combinations(seen, 2))
 
 
 def test_requests_name_worlds_of_a_folder(world: pathlib.Path, tmp_path: pathlib.Path) -> None:

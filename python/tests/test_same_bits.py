@@ -146,17 +146,13 @@ def test_compose(run: Callable[..., str], log_file: pathlib.Path, model: underbr
 
 
 def test_marked_movers(run: Callable[..., str], log_file: pathlib.Path, model: underbrush.Model,
-                       tmp_path: pathlib.Path) -> None:
+                       box_mesh: pathlib.Path, tmp_path: pathlib.Path) -> None:
     """A box that comes by is marked, as by the program, and the trees are not."""
-    mesh, poses = tmp_path / "box.obj", tmp_path / "poses.txt"
-    corners = [(x, y, z) for x in (-2, 2) for y in (-1, 1) for z in (-1, 1)]
-    sides = [(1, 2, 4, 3), (5, 6, 8, 7), (1, 2, 6, 5), (3, 4, 8, 7), (1, 3, 7, 5), (2, 4, 8, 6)]
-    mesh.write_text("".join(f"v {x} {y} {z}\n" for x, y, z in corners) +
-                    "".join(f"f {a} {b} {c}\nf {a} {c} {d}\n" for a, b, c, d in sides))
+    poses = tmp_path / "poses.txt"
     poses.write_text("0 -12 8 1.2 0 0 0 1\n4 12 8 1.2 0 0 0 1\n")
     still = underbrush.Trajectory(np.array([0.0, 4.0]), np.array([[0, 0, 1.8], [0, 0, 1.8]]),
                                   np.tile([0.0, 0, 0, 1], (2, 1)))
-    log = underbrush.simulate(model, sensor="velodyne-vlp16", trajectory=still, movers=[(mesh, poses, "")],
+    log = underbrush.simulate(model, sensor="velodyne-vlp16", trajectory=still, movers=[(box_mesh, poses, "")],
                               element_ids=True)
     underbrush.write_log(tmp_path / "log.ply", log)
     printed = json.loads(run("movers", tmp_path / "log.ply", "-o", tmp_path / "a.ply", "--json", "-"))

@@ -16,10 +16,11 @@ Errors: `ValueError` for a caller's mistake, `FormatError` for bad data in a fil
 """
 from __future__ import annotations
 
-from underbrush._core import (BeamLog, EllipsoidTable, LogInfo, LogReader, LogWriter, Model, ObjectLists, Pose, Primitives,
-                              ScanInfo, Scene, Score, Sensor, Summary, Trajectory, TriangleMesh, Tuning, beams,
-                              class_names, fitters, read_log, read_model, read_scene, read_trajectory, sensors,
-                              set_threads, threads, version, write_log, write_model, write_primitives, write_scene)
+from underbrush._core import (BeamLog, EllipsoidTable, LogInfo, LogReader, LogWriter, Model, ObjectLists, PointCloud,
+                              Pose, Primitives, ScanInfo, Scene, Score, Sensor, Summary, Trajectory, TriangleMesh,
+                              Tuning, beams, class_names, fitters, read_log, read_model, read_scene, read_trajectory,
+                              sensors, set_threads, threads, version, write_log, write_model, write_primitives,
+                              write_scene)
 from underbrush.arrow import log_from_arrow, write_parquet
 from underbrush.errors import FormatError
 from underbrush.live import Lidar
@@ -33,9 +34,9 @@ __version__ = version()
 
 __all__ = [
     "BeamLog", "EllipsoidTable", "FormatError", "Imported", "LearntActors", "Lidar", "LogInfo", "LogReader",
-    "LogWriter", "MOVER", "Marked", "Model", "ObjectLists", "Pose", "Primitives", "ScanInfo", "Scene", "Score",
-    "Segmentation", "Sensor", "Split", "Summary", "Trajectory", "TriangleMesh", "Tuning", "__version__", "actors",
-    "beams", "class_names", "compare_clouds", "compose", "ellipsoid_axes", "extract", "fit", "fitters",
+    "LogWriter", "MOVER", "Marked", "Model", "ObjectLists", "PointCloud", "Pose", "Primitives", "ScanInfo", "Scene",
+    "Score", "Segmentation", "Sensor", "Split", "Summary", "Trajectory", "TriangleMesh", "Tuning", "__version__",
+    "actors", "beams", "class_names", "compare_clouds", "compose", "ellipsoid_axes", "extract", "fit", "fitters",
     "import_log", "log_from_arrow", "log_from_columns", "movers", "optimize", "perceive", "read_log", "read_model",
     "read_scene", "read_trajectory", "report_of", "scene_from_models", "score", "segment", "sensors", "set_threads",
     "simulate", "split", "threads", "write_log", "write_model", "write_parquet", "write_primitives", "write_scene",

@@ -35,7 +35,7 @@ struct Firing {
   /// The vehicle, or the only sensor. It has poses for all of the time.
   Motion vehicle;
   std::vector<ActorMotion> actors;  ///< All others move as in the file of the world.
-  /// Numbers of the first beam and scan at `start_s`; of a single sensor only.
+  /// Numbers of the first beam of each sensor, and of the first scan, at `start_s`.
   size_t first_beam = 0;
   uint32_t first_scan = 0;
 };

@@ -93,6 +93,14 @@ LiveSensors::LiveSensors(pipeline::TracedWorld& world, const pipeline::SimulateO
       sensors_(perception::sensors_of(rig_)),
       simulation_(world, options, sensors_) {}
 
+std::vector<std::string> LiveSensors::actors() const {
+  std::vector<std::string> out;
+  for (const pipeline::NamedMover& m : world_.movers()) {
+    if (std::ranges::find(out, m.name) == out.end()) out.push_back(m.name);
+  }
+  return out;
+}
+
 double LiveSensors::beams_in(const Firing& firing) const {
   double beams = 0;
   for (const sensor::Sensor& s : sensors_) beams += s.beams_per_s();
@@ -152,12 +160,12 @@ BeamLog LiveSensors::fire_one(const Firing& f, const Trajectory& path) {
 }
 
 BeamLog LiveSensors::fire_rig(const Firing& f, const Trajectory& path) {
-  require(f.first_beam == 0 && f.first_scan == 0, "fire: beams of a rig are numbered from 0");
   perception::RigSource beams(rig_, sensors_, path, {f.start_s, f.from_s, f.until_s},
                               pipeline::kSimulatedBeams);
-  const std::vector<size_t> fired = beams.fired_before();
+  std::vector<size_t> fired = beams.fired_before();
+  for (size_t& n : fired) n += f.first_beam;
   simulation_.continue_after(fired);
-  return answered(std::ranges::max(fired), 0, beams);
+  return answered(std::ranges::max(fired), f.first_scan, beams);
 }
 
 BeamLog LiveSensors::fire(const Firing& firing) {

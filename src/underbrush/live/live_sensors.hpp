@@ -2,6 +2,7 @@
 /// The sensors of a vehicle in a world, which fire on request.
 #pragma once
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "underbrush/live/firing.hpp"
@@ -32,7 +33,8 @@ class LiveSensors {
   const std::vector<sensor::Sensor>& sensors() const { return sensors_; }
   /// The mounted sensors; one without a rig stands in the vehicle's origin.
   const perception::Rig& rig() const { return rig_; }
-  const pipeline::TracedWorld& world() const { return world_; }
+  /// The names of everything that moves, each once.
+  std::vector<std::string> actors() const;
 
  private:
   void move_actors(const Firing& firing);

@@ -13,12 +13,15 @@ void add_mover(pipeline::World& world, const std::string& text) {
   const size_t equals = text.find('=');
   require(equals != std::string::npos && equals > 0 && equals + 1 < text.size(),
           "live: --mover takes NAME=MODEL");
-  pipeline::add_mover(world, actors::read_mover(text.substr(equals + 1)),
-                      Trajectory({StampedPose()}), "", text.substr(0, equals));
-  world.info.movers.back().from_s = std::numeric_limits<double>::infinity();
+  add_absent(world, text.substr(0, equals), actors::read_mover(text.substr(equals + 1)));
 }
 
 }  // namespace
+
+void add_absent(pipeline::World& world, const std::string& name, elements::Model model) {
+  pipeline::add_mover(world, std::move(model), Trajectory({StampedPose()}), "", name);
+  world.info.movers.back().from_s = std::numeric_limits<double>::infinity();
+}
 
 OpenedWorld open_world(const WorldOptions& options) {
   require(options.sensor.empty() != options.rig.empty(), "live: give --sensor NAME or --rig FILE");

@@ -28,6 +28,9 @@ struct OpenedWorld {
 /// Reads a world and prepares it. Throws as the readers and `LiveSensors` do.
 OpenedWorld open_world(const WorldOptions& options);
 
+/// Adds an object that clients can move, and that is absent until a request gives it a motion.
+void add_absent(pipeline::World& world, const std::string& name, elements::Model model);
+
 /// Reads the token of a server from a file. Throws `IoError` where it cannot be read, and
 /// `FormatError` unless it is one word of 16 to 128 printable characters.
 std::string read_token(const std::string& file);

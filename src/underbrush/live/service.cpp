@@ -7,8 +7,7 @@
 #include <set>
 
 #include "underbrush/core/check.hpp"
-#include "underbrush/io/driver_layout.hpp"
-#include "underbrush/live/live_sensors.hpp"
+#include "underbrush/live/clouds.hpp"
 #include "underbrush/live/other_worlds.hpp"
 
 namespace underbrush::live {
@@ -71,46 +70,6 @@ std::vector<std::string> usual_columns(const BeamLog& beams) {
   return out;
 }
 
-/// The numbers of types of fields in sensor_msgs/PointField.
-uint32_t datatype_of(const io::CloudField& f) {
-  constexpr uint32_t kFloat32 = 7, kUint8 = 2, kUint16 = 4, kUint32 = 6;
-  if (f.is_float) return kFloat32;
-  return f.bytes == 1 ? kUint8 : f.bytes == 2 ? kUint16 : kUint32;
-}
-
-PointCloud cloud_of(BeamLog beams, io::DriverLayout layout, const Trajectory& world_from_sensor,
-                    double from_s) {
-  PointCloud out;
-  out.world_from_sensor = {from_s, world_from_sensor.at(from_s).value_or(Pose())};
-  const ScanInfo scan{0, from_s, out.world_from_sensor.world_from_sensor};
-  io::DriverCloud cloud = io::driver_cloud(std::move(beams), layout, scan, world_from_sensor);
-  for (const io::CloudField& f : io::fields_of(layout)) {
-    out.fields.push_back({f.name, out.point_step, datatype_of(f)});
-    out.point_step += f.bytes;
-  }
-  out.height = uint32_t(cloud.height);
-  out.width = uint32_t(cloud.width);
-  out.bytes = std::move(cloud.points);
-  return out;
-}
-
-/// Splits beams by the sensors of a rig; those of a single sensor are taken over.
-std::vector<BeamLog> by_sensor(BeamLog beams, size_t sensors) {
-  std::vector<BeamLog> out(sensors);
-  const auto found = beams.extra.find(perception::kSensorColumn);
-  if (found == beams.extra.end()) {
-    out.at(0) = std::move(beams);
-    return out;
-  }
-  const auto& sensor = std::get<std::vector<uint8_t>>(found->second);
-  for (BeamLog& part : out) part = beams.like();
-  for (size_t begin = 0, end = 0; begin < beams.size(); begin = end) {
-    while (end < beams.size() && sensor[end] == sensor[begin]) ++end;
-    out[sensor[begin]].append(beams, begin, end);
-  }
-  return out;
-}
-
 class SensorService : public Service {
  public:
   SensorService(LiveSensors& sensors, const ServiceLimits& limits, OtherWorlds* others)
@@ -125,9 +84,7 @@ class SensorService : public Service {
       out.sensors.push_back({m.name, s.name, s.rate_hz, s.beams_per_s() / s.rate_hz, s.max_range_m,
                              m.vehicle_from_sensor});
     }
-    for (const pipeline::NamedMover& m : sensors->world().movers()) {
-      if (std::ranges::find(out.actors, m.name) == out.actors.end()) out.actors.push_back(m.name);
-    }
+    out.actors = sensors->actors();
     out.layouts = {"velodyne", "ouster", "autoware"};
     out.max_beams = limits_.beams;
     if (others_) out.worlds = others_->names();
@@ -151,8 +108,9 @@ class SensorService : public Service {
       if (!lock.try_lock_until(call.deadline) || call.is_cancelled()) return false;
       beams = sensors->fire(f);
     }
-    return request.layout.empty() ? send_columns(request, beams, call)
-                                  : send_clouds(request, *sensors, std::move(beams), call);
+    if (request.layout.empty()) return send_columns(request, beams, call);
+    const io::DriverLayout layout = io::driver_layout_from_name(request.layout);
+    return send_clouds(clouds_of(*sensors, f, std::move(beams), layout), call);
   }
 
  private:
@@ -170,26 +128,13 @@ class SensorService : public Service {
     return true;
   }
 
-  static bool send_clouds(const FireRequest& request, const LiveSensors& sensors, BeamLog beams,
-                          const Call& call) {
-    const Firing& f = request.firing;
-    const Trajectory path = trajectory_of(f.vehicle, f.until_s);
-    std::vector<BeamLog> of_sensor = by_sensor(std::move(beams), sensors.sensors().size());
-    for (size_t k = 0; k < sensors.sensors().size(); ++k) {
-      const perception::MountedSensor& mounted = sensors.rig().sensors[k];
-      std::vector<StampedPose> poses = path.poses();
-      for (StampedPose& p : poses) {
-        p.world_from_sensor = p.world_from_sensor * mounted.vehicle_from_sensor;
-      }
+  static bool send_clouds(std::vector<PointCloud> clouds, const Call& call) {
+    return std::ranges::all_of(clouds, [&](PointCloud& cloud) {
       Part part;
-      part.clouds.push_back(cloud_of(std::move(of_sensor[k]),
-                                     io::driver_layout_from_name(request.layout),
-                                     Trajectory(std::move(poses)), f.from_s));
-      part.clouds[0].sensor = mounted.name;
-      part.rows = uint64_t(part.clouds[0].height) * part.clouds[0].width;
-      if (!call.send(std::move(part))) return false;
-    }
-    return true;
+      part.rows = uint64_t(cloud.height) * cloud.width;
+      part.clouds.push_back(std::move(cloud));
+      return call.send(std::move(part));
+    });
   }
 
   std::shared_ptr<LiveSensors> sensors_in(const std::string& world) {
