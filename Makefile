@@ -14,7 +14,7 @@ quiet = log=$$(mktemp); if $(1) > $$log 2>&1; then rm $$log; else cat $$log; rm 
 
 .DEFAULT_GOAL := help
 .PHONY: help setup build pictures test attack fuzz fuzz-long tsan fmu check-fmu validation demo bench gates results docs live deb \
-        check-deb wheel check-wheel check-pythons asan-python clean
+        check-deb wheel check-wheel check-users check-pythons asan-python clean
 
 help:     ## This list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## /  make \1\t/' | expand -t 16
@@ -123,6 +123,10 @@ check-deb: deb ## Install the package on a bare Debian and run it there (root, m
 check-wheel:   ## Install the Python package and its wheel on a bare Debian (root, minutes)
 	@scripts/setup.sh package
 	@scripts/check_wheel.sh
+
+check-users:   ## The ways of four new users, each on a bare Debian (root, minutes)
+	@scripts/setup.sh package
+	@DATA=$(DATA) scripts/check_users.sh
 
 check-pythons: setup   ## The Python tests with every other Python on the PATH, from 3.10 on (minutes)
 	@$(call quiet,$(configure) -DUNDERBRUSH_PYTHON=ON)

@@ -16,6 +16,9 @@ if(TARGET underbrush-reference)
     ${made}
     DEPENDS underbrush underbrush-reference WORKING_DIRECTORY ${pages} VERBATIM)
   add_custom_target(pages ALL DEPENDS ${pages}/underbrush.1.gz ${completions})
+  if(TARGET underbrush_python)   # The wheel has the manual page, too.
+    add_dependencies(underbrush_python pages)
+  endif()
   install(FILES ${pages}/underbrush.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1
     COMPONENT program OPTIONAL)
   install(FILES ${pages}/bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions

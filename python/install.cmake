@@ -10,6 +10,10 @@ foreach(folder IN ITEMS configs examples live schemas)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/share/${folder} DESTINATION underbrush/share/underbrush
     COMPONENT python EXCLUDE_FROM_ALL)
 endforeach()
+if(SKBUILD_DATA_DIR)   # pip puts this beside its commands: `man underbrush` finds it there
+  install(FILES ${UNDERBRUSH_PYTHON_FROM}/pages/underbrush.1.gz DESTINATION ${SKBUILD_DATA_DIR}/share/man/man1
+    COMPONENT python EXCLUDE_FROM_ALL)
+endif()
 if(SKBUILD_METADATA_DIR)   # the wheel's folder .dist-info
   install(DIRECTORY ${UNDERBRUSH_PYTHON_FROM}/python/licenses/
     DESTINATION ${SKBUILD_METADATA_DIR}/licenses/libraries COMPONENT python EXCLUDE_FROM_ALL)

@@ -1,5 +1,6 @@
 #include "cli/line.hpp"
 #include "cli/option_table.hpp"
+#include "stages.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/io/atomic_file.hpp"
 #include "underbrush/pipeline/osi_trace.hpp"
@@ -46,13 +47,38 @@ void record(const Verb& verb, const Arguments& a) {
           line("trace", "{}", a.output));
 }
 
+/// What a replay without a return or an object is likely to be due to.
+std::vector<std::string> warnings_of(const pipeline::ReplayCounts& n) {
+  if (n.messages == 0) return {"the trace has no messages"};
+  const std::string others = fmt::format("the ground truth has {} others than the host", n.others);
+  if (n.rays > 0 && n.returns == 0) {
+    return {fmt::format(
+        "no reflection came back of {} rays, and {}: the lidar faces neither them nor the ground "
+        "within its range, or the --world lies elsewhere",
+        n.rays, others)};
+  }
+  if (n.rays == 0 && n.echoes == 0 && n.objects == 0) {
+    return {"the messages have no reflections, and no tracer makes any: see --strategy tracer"};
+  }
+  if (n.lists == 0 || n.objects > 0) return {};
+  if (n.others == 0) return {fmt::format("no object was found in {} echoes: {}", n.echoes, others)};
+  return {fmt::format(
+      "no object was found in {} echoes, and {}: they are out of the lidar's range or view, or the "
+      "vehicle's axle is not as high above the ground as the chain has it "
+      "(tracking:axle_height_m)",
+      n.echoes, others)};
+}
+
 void replay(const Verb& verb, Arguments& a) {
   a.options.replay.seed = verb.seed;
   const pipeline::ReplayCounts n =
       pipeline::replay_trace(a.input, a.output, a.options, provenance(verb, {a.input}));
-  verb.report({{"messages", n.messages}, {"objects", n.objects}, {"seconds", n.seconds}},
-              fmt::format("{} messages: {} objects\n", n.messages, n.objects) +
-                  line("chain", "{:.2f} s", n.seconds) + line("output", "{}", a.output));
+  const std::vector<std::string> warnings = warnings_of(n);
+  Json j{{"messages", n.messages}, {"objects", n.objects}, {"seconds", n.seconds}};
+  if (!warnings.empty()) j["warnings"] = warnings;
+  verb.report(j, fmt::format("{} messages: {} objects\n", n.messages, n.objects) +
+                     line("chain", "{:.2f} s", n.seconds) + text_of_warnings(warnings) +
+                     line("output", "{}", a.output));
 }
 
 void convert(const Verb& verb, const Arguments& a) {

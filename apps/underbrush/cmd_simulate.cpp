@@ -169,12 +169,13 @@ struct Done {
 
 /// Says what of the model had a part in the answers.
 std::string text_of_model(const Done& done, const elements::Model& model) {
+  const std::string sensor = model.sensor.empty() ? "the model's log" : printable(model.sensor);
   std::string text;
   if (!model.channels.empty()) {
     const size_t added = model.channels_of(done.beams).size();
-    text += added > 0 ? fmt::format("  channels    {} range offsets added\n", added)
-                      : fmt::format("  channels    no range offsets added: they are of {}\n",
-                                    printable(model.sensor));
+    text += added > 0
+                ? fmt::format("  channels    {} range offsets added\n", added)
+                : fmt::format("  channels    no range offsets added: they are of {}\n", sensor);
   }
   if (model.keyframes) {
     text += done.simulation.keyframes_serve(done.beams)
@@ -183,7 +184,7 @@ std::string text_of_model(const Done& done, const elements::Model& model) {
                 : fmt::format(
                       "  keyframes   not used: they are of beams of {} with one echo, without "
                       "--element-ids{}\n",
-                      model.sensor.empty() ? "the model's log" : printable(model.sensor),
+                      sensor,
                       done.beams.sensor.empty() && !model.sensor.empty()
                           ? "; the log of these beams names no sensor (import --deskew)"
                           : "");

@@ -152,8 +152,8 @@ def repaired(build: pathlib.Path, wheel: pathlib.Path) -> pathlib.Path:
     return made
 
 
-def complaints_about_licences(wheel: pathlib.Path, build: pathlib.Path) -> list[str]:
-    """What a wheel lacks: a licence for each library that it needs or bundles, and its own."""
+def complaints_about(wheel: pathlib.Path, build: pathlib.Path) -> list[str]:
+    """What a wheel lacks: a licence for each library that it needs or bundles, its own, and the manual page."""
     with zipfile.ZipFile(wheel) as archive:
         names = [name for name in archive.namelist() if not name.endswith("/")]
         texts = {pathlib.PurePath(name).name: archive.read(name).decode() for name in names
@@ -161,6 +161,8 @@ def complaints_about_licences(wheel: pathlib.Path, build: pathlib.Path) -> list[
     out = [f"{name}: no text" for name, text in texts.items() if len(text) < 200]
     if "LICENSE" not in texts:
         out.append("its own licence is missing")
+    if not any(name.endswith(".data/data/share/man/man1/underbrush.1.gz") for name in names):
+        out.append("the manual page is missing")
     if shutil.which("dpkg-query"):
         sys.path.insert(0, str(ROOT / "python"))
         licenses = importlib.import_module("collect_licenses")
@@ -203,7 +205,7 @@ def run_wheel(build: pathlib.Path, bundled: bool) -> int:
         wheel = packed(build, folder)
         if bundled:
             wheel = repaired(build, wheel)
-        lacks = complaints_about_licences(wheel, build)
+        lacks = complaints_about(wheel, build)
         if lacks:
             print("\n".join(lacks))
             return 1

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from format_data import generated_log, joined, pieces
 
+import underbrush
 from underbrush.formats import FormatError, beams, open_recording
 from underbrush.formats.numpy_log import NumpyLogWriter
 from underbrush.formats.ros_messages import typestore
@@ -89,6 +90,20 @@ def test_an_empty_log_and_one_of_misses_only(tmp_path: pathlib.Path, name: str) 
         assert not out.lost and out.written == len(log["range_m"])
     with writer(tmp_path / ("empty-" + name), poses):
         pass
+
+
+def test_functions_replace_files_whole_or_leave_them(tmp_path: pathlib.Path) -> None:
+    log, poses = generated_log(scans=1)
+    notes = tmp_path / "notes.npz"
+    notes.write_text("mine")
+    with pytest.raises(KeyError), writer(notes, poses) as out:
+        out.write(log)
+        raise KeyError("the caller's")
+    assert notes.read_text() == "mine"
+    with writer(notes, poses) as out:
+        out.write(log)
+    assert notes.read_bytes().startswith(b"PK")
+    assert "replace a file that exists" in (underbrush.__doc__ or "")
 
 
 def test_a_folder_is_not_replaced(tmp_path: pathlib.Path) -> None:

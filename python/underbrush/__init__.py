@@ -12,6 +12,8 @@ Frames are right-handed with z up; lengths are m, times s, angles rad. Arrays ar
 is copied, and a view keeps its owner alive. Other Python threads run during long calls, which end on Ctrl-C and report
 to `progress(stage, done, total)`. The same seed gives the same bits as the command, for any number of threads.
 
+Functions that write replace a file that exists, as those of NumPy and pandas do, and no folder of something else.
+
 Errors: `ValueError` for a caller's mistake, `FormatError` for bad data in a file, `OSError` from the file system.
 """
 from __future__ import annotations

@@ -5,6 +5,7 @@ import math
 import operator
 import os
 import pathlib
+import resource
 import struct
 import tempfile
 import zipfile
@@ -109,6 +110,16 @@ class Imports(cli_test.Failing):
             struct.pack_into("<3f", array, at, *rolled(k, *struct.unpack_from("<3f", array, at)))
         with zipfile.ZipFile(self.folder / "rolled.npz", "w") as archive:
             archive.writestr(name, bytes(array))
+
+    def test_a_table_of_100_000_columns_takes_seconds(self):
+        names = [f"c{k}" for k in range(100_000)]
+        (self.folder / "wide.csv").write_text(",".join(["x,y,z,ox,oy,oz", *names]) + "\n5,0,1,0,0,1" + ",7" * len(names) + "\n")
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        self.assertEqual(self.call("wide.csv", "-o", "wide.ply").returncode, 0)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        self.assertLess(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, 5)
+        (row,) = rows_of(self.folder / "wide.ply")
+        self.assertEqual((len(row.keys() & set(names)), row["c0"], row["c99999"]), (len(names), 7, 7))
 
     def test_sensors_of_scans_must_spin(self):
         self.write_world_points()

@@ -133,6 +133,21 @@ class Warnings(cli_test.Failing):
         self.assertIn("a velodyne-vlp16; of --sensor ouster-os1-64 only the instrument is taken", warning)
         self.assertIn("--sensor ouster-os1-64 --trajectory out.ply", warning)
 
+    def test_no_line_has_an_empty_name_of_a_sensor(self):
+        """The log of the model names none."""
+        self.write_drive()
+        self.call("import", ".", "--poses", "right.txt", "-o", "log.ply")
+        text = ""
+        for words in (("info", "log.ply"), ("fit", "log.ply", "-o", "model"), ("info", "model"),
+                      ("simulate", "model", "--like", "log.ply", "--element-ids", "-o", "like.ply"),
+                      ("simulate", "model", "--sensor", "velodyne-vlp16", "--trajectory", "log.ply", "-o", "other.ply"),
+                      ("score", "log.ply", "like.ply", "--model", "model")):
+            done = self.call(*words)
+            text += done.stdout + done.stderr
+        self.assertIn("not used: they are of beams of the model's log with one echo", text)
+        self.assertIn("learnt from a log of an unknown sensor", text)
+        self.assertNotRegex(text, r"\b(of|by|are|is) +(with|in|and|is)\b|\b(of|by) *[,;:.(]|''|\"\"|sensor +\n")
+
     def test_a_log_without_misses_names_the_option(self):
         rows = [NAMES] + [f"{5 + 0.01 * k},{k % 16},1,0,0,2,1,{k * 1e-5:.6f},0.5,{k % 16},0,{k // 16},0"
                           for k in range(640)]

@@ -57,6 +57,57 @@ TEST(Poses, BadOnesAreRefused) {
   EXPECT_THROW(read_poses(folder.path()), FormatError);
 }
 
+/// What the reason of the refusal of `read` is.
+template <typename Read>
+std::string reason_of(const Read& read) {
+  try {
+    read();
+  } catch (const FormatError& e) {
+    return e.reason();
+  }
+  return "";
+}
+
+TEST(Poses, TimesThatAreAllTheSameAreNamed) {
+  const TemporaryFolder folder;
+  put_bytes(folder / "p", "0 2 3 4 0 0 0 1\n0 2 3 5 0 0 0 1\n0 2 3 6 0 0 0 1\n");
+  EXPECT_EQ(reason_of([&] { read_poses(folder / "p"); }), "all 3 times are 0");
+  put_bytes(folder / "t", "1600000000\n1600000000\n");
+  EXPECT_EQ(reason_of([&] { read_times(folder / "t"); }), "all 2 times are 1600000000");
+  put_bytes(folder / "t", "0\n1\n1\n");
+  EXPECT_EQ(reason_of([&] { read_times(folder / "t"); }), "the same time twice");
+}
+
+TEST(Poses, TheirTimesAreNamedWhereTheyMissAScan) {
+  const TemporaryFolder folder;
+  const auto reason = [&](const char* times, double first_s) {
+    put_scans(folder / "velodyne", {"000000.bin", "000001.bin"});
+    put_bytes(folder / "times.txt", times);
+    std::string poses;
+    for (int k = 0; k < 5; ++k) {
+      char row[80];
+      std::snprintf(row, sizeof row, "%.1f %d 0 0 0 0 0 1\n", first_s + k, k);
+      poses += row;
+    }
+    put_bytes(folder / "poses.txt", poses);
+    InputOptions options;
+    options.poses = folder / "poses.txt";
+    return reason_of([&] { open_input(folder.path(), options); });
+  };
+  // 2020-09-13 12:26:40 UTC is second 44818 of its GPS week, which is ahead by 18 leap seconds.
+  const char* dates = "1600000000\n1600000001\n";
+  EXPECT_EQ(reason(dates, 44816),
+            "no pose for scan 000000.bin: the times of the poses go from 44816.000 to 44820.000 s; "
+            "they are seconds of the GPS week, the scans' are dates");
+  EXPECT_NE(
+      reason(dates, 0).find("from 0.000 to 4.000 s; they may be seconds of the GPS week or of "
+                            "a clock that starts at zero"),
+      std::string::npos);
+  EXPECT_NE(reason("1\n2\n", 1600000000).find("they are dates, the scans' may be"),
+            std::string::npos);
+  EXPECT_EQ(reason("1\n2\n", 7).find(';'), std::string::npos);
+}
+
 TEST(Text, DatesAreUtc) {
   EXPECT_EQ(time_of_date("1970-01-01 00:00:00.5"), 0.5);
   EXPECT_NEAR(*time_of_date("2011-09-26 13:02:25.964389445"), 1317042145.964389445, 1e-6);

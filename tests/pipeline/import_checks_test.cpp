@@ -181,13 +181,16 @@ TEST(Copies, OneOfEachStays) {
 /// Rings on flat ground, which are the same from every place.
 class OpenGround : public ScanSource {
  public:
+  explicit OpenGround(
+      const Eigen::Quaterniond& sensor_from_upright = Eigen::Quaterniond::Identity())
+      : turn_(sensor_from_upright) {}
   size_t size() const override { return 3; }
   PointScan read(size_t) override {
     PointScan scan;
     for (int ring = 0; ring < 8; ++ring) {
       for (int k = 0; k < 180; ++k) {
         const double a = 2 * M_PI * k / 180, r = 4 + 3 * ring;
-        scan.point.push_back(Vec3f(float(r * std::cos(a)), float(r * std::sin(a)), -1.8f));
+        scan.point.push_back((turn_ * Vec3(r * std::cos(a), r * std::sin(a), -1.8)).cast<float>());
       }
     }
     return scan;
@@ -196,9 +199,35 @@ class OpenGround : public ScanSource {
   const std::map<std::string, size_t>& skipped() const override { return skipped_; }
 
  private:
+  Eigen::Quaterniond turn_;
   Trajectory path_;
   std::map<std::string, size_t> skipped_;
 };
+
+TEST(ImportChecks, GroundThatThePosesTiltIsWarnedOf) {
+  const auto about = [](double degrees, const Vec3& axis) {
+    return Eigen::Quaterniond(Eigen::AngleAxisd(degrees * M_PI / 180, axis));
+  };
+  const auto warned = [](const Eigen::Quaterniond& mounted, const Eigen::Quaterniond& pose) {
+    OpenGround ground(mounted.inverse());
+    std::vector<ScanInfo> scans;
+    for (uint32_t k = 0; k < 3; ++k) scans.push_back({k, 0.1 * k, {pose, {0.6 * k, 0, 0}}});
+    const std::string all = warning_of_scans(ground, scans);
+    scans.resize(1);
+    EXPECT_EQ(warning_of_scans(ground, scans), all);
+    return all.find("the ground is steep") != std::string::npos;
+  };
+  const Eigen::Quaterniond upright = about(30, Vec3::UnitZ());
+  EXPECT_TRUE(warned(upright, about(90, Vec3::UnitX()))) << "of a camera";
+  EXPECT_TRUE(warned(upright, about(45, Vec3::UnitY())));
+  EXPECT_TRUE(warned(upright, about(180, Vec3::UnitX()))) << "w first";
+  EXPECT_FALSE(warned(upright, upright));
+  EXPECT_FALSE(warned(upright, about(35, Vec3::UnitY()))) << "a steep slope";
+  for (const double degrees : {45, 90, 180}) {
+    const Eigen::Quaterniond tilted = about(degrees, Vec3::UnitY()) * upright;
+    EXPECT_FALSE(warned(tilted, tilted)) << degrees << ": as mounted";
+  }
+}
 
 TEST(ImportChecks, OpenGroundShowsNoMillimetres) {
   OpenGround ground;
@@ -206,7 +235,7 @@ TEST(ImportChecks, OpenGroundShowsNoMillimetres) {
     std::vector<ScanInfo> scans;
     for (uint32_t k = 0; k < 3; ++k) scans.push_back({k, 0.1 * k, {}});
     for (uint32_t k = 0; k < 3; ++k) scans[k].world_from_sensor.translation.x() = step_m * k;
-    return warning_of_overlap(ground, scans);
+    return warning_of_scans(ground, scans);
   };
   EXPECT_EQ(warned(0.6), "");
   EXPECT_NE(warned(50).find("mm"), std::string::npos);

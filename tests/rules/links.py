@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks the links between pages: every relative link of a Markdown file leads to a file that is there and, after #,
-to a heading of it; every page of docs/ is reached from docs/README.md; and every block of commands says whether it
-is run (readme.py explains the marks)."""
+to a heading of it; every page of docs/ is reached from docs/README.md; every block of commands says whether it is run
+(readme.py explains the marks); and the Makefile has every goal of make that a page names."""
 import pathlib
 import posixpath
 import re
@@ -50,12 +50,22 @@ def unmarked(page, text):
                   for line, m in rules.lines_with(INDENTED_COMMAND.pattern, FENCE.sub("", text))]
 
 
+def goals(page, text, makefile):
+    """Complains of goals of make, in code spans and at the start of a line of commands, that the Makefile lacks."""
+    known = re.findall(r"^([a-z][\w-]*)[^:=\n]*:(?!=)", makefile, re.MULTILINE)
+    typed = [re.findall(r"^(?:\$ )?make +([^#\n]*)", block.group(), re.MULTILINE) for block in FENCE.finditer(text)]
+    for words in sum(typed, re.findall(r"`make +([^`]*)`", FENCE.sub("", text))):
+        yield from (f"{page}: the Makefile has no goal '{goal}'" for goal in words.split()
+                    if re.match(r"[a-z][\w-]*$", goal) and goal not in known)
+
+
 def check(root):
+    makefile = rules.read(root, "Makefile") if (root / "Makefile").exists() else ""
     pages = {path: rules.read(root, path) for path in rules.tracked(root, ".md")}
     out, reached, open_pages = [], set(), [INDEX]
     leads = {}
     for page, text in pages.items():
-        out += unmarked(page, text)
+        out += [*unmarked(page, text), *goals(page, text, makefile)]
         leads[page] = set()
         for line, target, anchor in links(page, text):
             leads[page].add(target)
@@ -79,8 +89,10 @@ BAD = [({**TOP, "docs/a/one.md": "[Two](two.md)\n"}, "no such file"),
        ({**TOP, "docs/a/one.md": "# One\n\n[Here](#two)\n"}, "no such heading"),
        ({**TOP, "docs/a/one.md": "# One\n", "docs/a/two.md": "# Two\n"}, "not reached"),
        ({**TOP, "docs/a/one.md": "```sh\ntrue\n```\n"}, "without a mark"),
+       ({"Makefile": "test: a\nx := y\n", "AGENTS.md": "Do `make test x`.\n"}, "no goal 'x'"),
+       ({"AGENTS.md": "<!-- no run: slow -->\n```sh\nmake gone  # it\n```\n"}, "no goal 'gone'"),
        ({**TOP, "docs/a/one.md": "Do this:\n\n    underbrush info log.ply\n"}, "fenced block")]
-GOOD = {**TOP, "README.md": "See [index](docs/README.md#top-of-all).\n",
+GOOD = {**TOP, "Makefile": "TESTS ?= 1\ntest: build\n", "AGENTS.md": "`make test N=1` makes all.\n", "README.md": "See [index](docs/README.md#top-of-all).\n",
         "docs/a/one.md": "# One\n\n## `fit` and *it*\n\n[Here](#fit-and-it), [k], `[no](link.md)`, "
                          "[options](../reference/parameters.md#fit), [far](https://example.org/)\n\n"
                          "<!-- no run: slow -->\n```sh\nunderbrush info log.ply\n```\n\n[k]: ../b.bib\n",

@@ -43,7 +43,7 @@ def poses_of_scans(info: Any) -> Poses:
 def export_log(log: Any, path: PathLike, *, layout: str = "ouster", poses: Poses | PathLike | None = None,
                crs: str = "", compress: bool = False) -> dict[str, int]:
     """Writes a log in the format of the name's extension: `.las`, `.laz`, `.npz`, `.mcap`, `.db3`, `.bag` or a ROS 2
-    folder.
+    folder. A file that exists is replaced.
 
     `log` is a `BeamLog` or the path of one (ray cloud PLY), which is read in chunks. `layout`, `poses` (by default
     those of the log's scans) and `compress` are for ROS (see `BagWriter`), `crs` is for LAS. Returns what the format

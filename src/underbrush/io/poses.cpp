@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
+#include <functional>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
@@ -17,7 +19,17 @@ namespace {
 
 constexpr double kRotationError = 5e-3;  // Files print as few as three decimals.
 
+/// Refuses times that are all the same, as the zeros of a recorder that had none.
+void check_changing(const fs::path& path, const std::vector<double>& times) {
+  const bool same = std::ranges::adjacent_find(times, std::not_equal_to<>()) == times.end();
+  if (times.size() < 2 || !same) return;
+  char text[60];
+  std::snprintf(text, sizeof text, "all %zu times are %.10g", times.size(), times[0]);
+  throw FormatError(path.string(), "", text);
+}
+
 void check_rising(const fs::path& path, const std::vector<double>& times) {
+  check_changing(path, times);
   for (size_t i = 1; i < times.size(); ++i) {
     if (times[i] > times[i - 1]) continue;
     throw FormatError(path.string(), "row " + std::to_string(i + 1),
@@ -26,6 +38,7 @@ void check_rising(const fs::path& path, const std::vector<double>& times) {
 }
 
 void check_unique(const fs::path& path, std::vector<double> times) {
+  check_changing(path, times);
   std::sort(times.begin(), times.end());
   const auto twice = std::adjacent_find(times.begin(), times.end());
   if (twice == times.end()) return;

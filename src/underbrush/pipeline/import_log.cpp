@@ -278,10 +278,10 @@ ImportReport import_log(const std::filesystem::path& source, const ImportOptions
     const sensor::BeamOptions beams = beam_options(options, input);
     begin(info_of_scans(options, input, beams));
     report.warnings = warnings_of_poses(input.scan_infos);
-    if (report.warnings.empty() && input.scan_infos.size() > 1) {
+    if (report.warnings.empty() && (input.scan_infos.size() > 1 || are_tilted(input.scan_infos))) {
       const io::Input again = io::open_input(source, reading);  // What it skips is counted once.
-      const std::string overlap = warning_of_overlap(*again.scans, input.scan_infos);
-      if (!overlap.empty()) report.warnings.push_back(overlap);
+      const std::string warning = warning_of_scans(*again.scans, input.scan_infos);
+      if (!warning.empty()) report.warnings.push_back(warning);
     }
     import_scans(source.string(), keep, input, beams, write, progress, report);
     if (report.beams > 0 && report.beam.misses_recorded + report.beam.misses_inferred == 0) {

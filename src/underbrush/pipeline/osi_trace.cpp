@@ -1,7 +1,9 @@
 #include "underbrush/pipeline/osi_trace.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <optional>
 
 #include "underbrush/actors/actor_edits.hpp"
@@ -35,6 +37,25 @@ osi::RecordCounts record_trace(const fs::path& log, const fs::path& output,
   return out;
 }
 
+namespace {
+
+void count(const osi::SensorData& data, ReplayCounts& n) {
+  n.lists += data.object_header.has_value();
+  n.objects += data.objects.size();
+  for (const osi::LidarDetectionData& lidar : data.lidar) n.echoes += lidar.detections.size();
+  if (data.lidar.empty() && data.logical) n.echoes += data.logical->detections.size();
+  for (const auto& view : data.views) {
+    for (const osi::LidarSensorView& lidar : view->lidar) {
+      n.rays += lidar.reflections.size();
+      n.returns +=
+          size_t(std::ranges::count_if(lidar.reflections, std::not_fn(&osi::Reflection::is_miss)));
+    }
+    if (view->truth) n.others += view->truth->moving.size() - (view->host() != nullptr);
+  }
+}
+
+}  // namespace
+
 ReplayCounts replay_trace(const fs::path& trace, const fs::path& output,
                           const osi::OsiOptions& options, const std::string& provenance) {
   using Clock = std::chrono::steady_clock;
@@ -53,7 +74,7 @@ ReplayCounts replay_trace(const fs::path& trace, const fs::path& output,
   std::vector<perception::ObjectList> lists;
   std::string bytes;
   for (osi::SensorData data; next(data);) {
-    out.objects += data.objects.size();
+    count(data, out);
     if (writer) {
       if (options.without_view) data.views.clear();
       bytes.clear();

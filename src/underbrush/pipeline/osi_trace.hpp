@@ -16,9 +16,11 @@ osi::RecordCounts record_trace(const std::filesystem::path& log,
                                const std::filesystem::path& output, const osi::OsiOptions& options,
                                const std::string& provenance);
 
-/// The numbers of messages that a chain processed and of objects that it listed, and its time.
+/// The numbers of messages that a chain processed, of lists of objects and of objects in them, of
+/// rays and their returns, and of echoes, and its time.
 struct ReplayCounts {
-  size_t messages = 0, objects = 0;
+  size_t messages = 0, lists = 0, objects = 0, rays = 0, returns = 0, echoes = 0;
+  size_t others = 0;  ///< Moving objects of the ground truth beside the host, of all messages.
   double seconds = 0;
 };
 

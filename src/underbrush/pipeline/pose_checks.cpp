@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -171,16 +172,6 @@ std::string warning_of_standing(ScanSource& scans, const std::vector<ScanInfo>& 
          " m from scan to scan: are all poses the same?";
 }
 
-}  // namespace
-
-std::vector<std::string> warnings_of_poses(const std::vector<ScanInfo>& scans) {
-  std::vector<std::string> out;
-  for (std::string w : {warning_of_speed(scans), warning_of_climb(scans), warning_of_tilt(scans)}) {
-    if (!w.empty()) out.push_back(std::move(w));
-  }
-  return out;
-}
-
 std::string warning_of_overlap(ScanSource& scans, const std::vector<ScanInfo>& infos) {
   constexpr double kPoor = 0.4, kBetter = 0.2, kFast = 5;  // kFast: m from scan to scan
   const std::vector<std::pair<size_t, size_t>> pairs = pairs_of(infos);
@@ -206,6 +197,73 @@ std::string warning_of_overlap(ScanSource& scans, const std::vector<ScanInfo>& i
   return "by the poses only " + text_of("%.0f", 100 * fit[0]) +
          " % of a scan's points lie where the next one has some, and " +
          text_of("%.0f", 100 * fit[best]) + " % " + kReadings[best].what;
+}
+
+/// The number of neighbouring cells (1 m) about a sensor whose lowest points lie below it, in a
+/// frame turned from its own, and at about the same height, and that of all.
+std::pair<double, double> level_pairs(const PointScan& scan, const Eigen::Quaterniond& turn) {
+  constexpr double kNear = 2, kFar = 20, kStep = 0.3;  // m
+  std::map<std::pair<int, int>, double> lowest;
+  for (const Vec3f& point : scan.point) {
+    if (!is_return(point) || point.norm() < kNear || point.norm() > kFar) continue;
+    const Vec3 p = turn * point.cast<double>();
+    double& z =
+        lowest.try_emplace({int(std::floor(p.x())), int(std::floor(p.y()))}, p.z()).first->second;
+    z = std::min(z, p.z());
+  }
+  size_t pairs = 0, level = 0;
+  for (const auto& [cell, z] : lowest) {
+    for (const auto& next :
+         {std::pair(cell.first + 1, cell.second), std::pair(cell.first, cell.second + 1)}) {
+      const auto other = lowest.find(next);
+      if (other == lowest.end()) continue;
+      ++pairs;
+      level += z < 0 && other->second < 0 && std::abs(z - other->second) < kStep;
+    }
+  }
+  return {double(level), double(pairs)};
+}
+
+/// Warns where up to four scans have level ground as the sensor has it, and not by the poses.
+std::string warning_of_ground(ScanSource& scans, const std::vector<ScanInfo>& infos) {
+  constexpr size_t kScans = 4;
+  constexpr double kPoor = 0.5, kLevel = 0.4;  // of the level cells without rotations; of all
+  double given = 0, upright = 0, all = 0;
+  for (size_t k = 0; k < kScans; ++k) {
+    const size_t i = k * infos.size() / kScans;
+    const PointScan scan = scans.read(i);
+    given += level_pairs(scan, infos[i].world_from_sensor.rotation).first;
+    const auto [level, pairs] = level_pairs(scan, Eigen::Quaterniond::Identity());
+    upright += level;
+    all += pairs;
+  }
+  if (all == 0 || upright < kLevel * all || given > kPoor * upright) return "";
+  return "by the poses the ground is steep or above the sensor, and it is level without their "
+         "rotations: are they poses of a camera or of another frame, or is w the first of their "
+         "quaternions' numbers?";
+}
+
+}  // namespace
+
+bool are_tilted(const std::vector<ScanInfo>& scans) {
+  constexpr double kTilted = 0.8, kMost = 0.8;  // cosine; of the poses
+  const auto tilted = std::ranges::count_if(scans, [](const ScanInfo& scan) {
+    return (scan.world_from_sensor.rotation * Vec3::UnitZ()).z() < kTilted;
+  });
+  return tilted > 0 && double(tilted) >= kMost * double(scans.size());
+}
+
+std::vector<std::string> warnings_of_poses(const std::vector<ScanInfo>& scans) {
+  std::vector<std::string> out;
+  for (std::string w : {warning_of_speed(scans), warning_of_climb(scans), warning_of_tilt(scans)}) {
+    if (!w.empty()) out.push_back(std::move(w));
+  }
+  return out;
+}
+
+std::string warning_of_scans(ScanSource& scans, const std::vector<ScanInfo>& infos) {
+  const std::string ground = are_tilted(infos) ? warning_of_ground(scans, infos) : "";
+  return ground.empty() ? warning_of_overlap(scans, infos) : ground;
 }
 
 }  // namespace underbrush::pipeline
