@@ -330,7 +330,7 @@ class Jobs(JobFolder):
 cat > job.sh
 case "$*" in
 *--array=0-{tasks - 1}*) for k in $(seq 0 {tasks - 1}); do SLURM_ARRAY_TASK_ID=$k sh job.sh >&2; done; echo 17 ;;
-*--dependency=afterok:17*) sh job.sh ;;
+*--dependency=afterany:17*) sh job.sh ;;
 *) exit 1 ;;
 esac
 """)

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """A plan runs on Slurm: the printed script submits its stages and the merge to the daemons of Debian's slurm-wlm, which
 the test starts on this machine as root with a configuration of their own."""
+import json
 import os
 import pathlib
 import shutil
@@ -90,20 +91,47 @@ PartitionName=all Nodes={host} Default=YES State=UP
                 self.fail(self.say("squeue", "--long") + logs)
             time.sleep(0.1)
 
-    def test_the_printed_script_runs_stages_and_merge(self):
-        self.ok(*jobs_test.SENSED.split(), "--range-noise", 0.02, "-o", "seen.ublog")
-        command = "fit seen.ublog --rounds 1 -o {}"
-        tasks = self.plan(command.format("joined"), pieces=3)
-        self.assertEqual(tasks, 5)
+    def submit(self):
+        """Submits the plan, waits until the queue is empty, and returns what all jobs printed."""
         script = self.ok("plan", "--slurm", "plan")
         submitted = subprocess.run(["sh"], input=script, env=self.environment, cwd=self.folder, capture_output=True, text=True,
                                    check=False)
         self.assertEqual(submitted.returncode, 0, submitted.stderr)
         self.wait_for(lambda: not self.say("squeue", "--noheader").strip())
-        printed = "".join(file.read_text() for file in sorted(self.folder.glob("slurm-*.out")))
+        return "".join(file.read_text() for file in sorted(self.folder.glob("slurm-*.out")))
+
+    def test_the_printed_script_runs_stages_and_merge(self):
+        """A task that is killed is run again."""
+        program = self.folder / "bin" / "underbrush"
+        program.rename(program.with_name("whole"))
+        program.write_text(f"""#!/bin/sh
+case "$*" in *"--task 2 "*) ! mkdir {self.folder}/killed 2> /dev/null || kill -9 $$ ;; esac
+exec {program.with_name("whole")} "$@"
+""")
+        program.chmod(0o755)
+        self.ok(*jobs_test.SENSED.split(), "--range-noise", 0.02, "-o", "seen.ublog")
+        command = "fit seen.ublog --rounds 1 -o {}"
+        tasks = self.plan(command.format("joined"), pieces=3)
+        self.assertEqual(tasks, 5)
+        printed = self.submit()
+        self.assertTrue((self.folder / "killed").exists())
         self.assertEqual(printed.count("done: "), tasks, printed)
         self.ok(*command.format("whole").split())
         self.assertEqual(self.files_of("joined"), self.files_of("whole"))
+
+    def test_three_failures_are_reported_and_other_commands_go_on(self):
+        self.ok(*jobs_test.SENSED.split(), "--range-noise", 0.02, "-o", "a.ublog")
+        damaged = bytearray(self.bytes_of("a.ublog"))
+        damaged[5000:5100] = bytes(100)
+        (self.folder / "b.ublog").write_bytes(damaged)
+        tasks = self.plan("fit {log}.ublog --rounds 1 -o {log}", over={"log": ["a", "b"]}, pieces=2)
+        printed = self.submit()
+        status = json.loads(self.ok("plan", "--status", "plan", "--json", "-"))
+        (failure,) = status["failed"].values()
+        self.assertEqual((len(status["done"]), failure["times"]), (tasks / 2, 3), printed)
+        self.assertRegex(printed, r"failed 3 times, with exit code 3:\n.*b\.ublog")
+        self.assertRegex(printed, r"underbrush: plan: task \d: failed")
+        self.assertFalse((self.folder / "a").exists())
 
 
 if __name__ == "__main__":
