@@ -42,7 +42,8 @@ std::string quoted(const std::filesystem::path& path) {
 std::string slurm_script(const std::filesystem::path& folder, const Plan& plan) {
   std::ostringstream out;
   const std::string plan_word = quoted(folder);
-  out << "#!/bin/sh\n# Submits the tasks of an underbrush plan to Slurm: run it where the plan was made.\n"
+  out << "#!/bin/sh\n# Submits the tasks of an underbrush plan to Slurm: run it where the plan was "
+         "made.\n"
          "# What is done already is not run again, so it may be submitted again.\nset -e\nafter=\n";
   for (const auto& [stage, tasks] : stages_of(plan)) {
     double seconds = 0;
@@ -53,7 +54,8 @@ std::string slurm_script(const std::filesystem::path& folder, const Plan& plan) 
     }
     out << "id=$(sbatch --parsable $after --requeue --cpus-per-task=1 --array=" << ranges_of(tasks)
         << " --time=" << uint64_t(std::ceil(seconds / 6)) << " --mem=" << ((2 * bytes) >> 20) + 1
-        << "M <<'END'\n#!/bin/sh\nfor time in first second third; do\n  underbrush run " << plan_word
+        << "M <<'END'\n#!/bin/sh\nfor time in first second third; do\n  underbrush run "
+        << plan_word
         << " --task \"$SLURM_ARRAY_TASK_ID\" --threads 1 && exit\ndone\nexit 1\nEND\n)\n"
         << "after=--dependency=afterany:${id%%;*}\n";
   }
