@@ -1,19 +1,30 @@
 #!/usr/bin/env bash
-# Installs a package on a bare Debian 12 (a folder made by debootstrap) and runs the demo there. As root; minutes.
+# Installs a package on a bare Debian 12 (a folder made by debootstrap) by the steps of share/containers/Containerfile, and
+# runs the demo there. As root; minutes.
 #   scripts/check_deb.sh build/underbrush_0.1.0_amd64.deb [FOLDER]
 # FOLDER is a bare Debian that is there already, or where to keep a new one; without it a temporary one.
 set -euo pipefail
 deb=$(realpath "$1")
 source "$(dirname "${BASH_SOURCE[0]}")/bare_debian.sh"
 bare_debian check_deb "${2:-}"
-cp "$deb" "$root/tmp/"
-inside apt-get -q -y update > /dev/null
-inside apt-get -q -y install --no-install-recommends "/tmp/$(basename "$deb")" | tail -n 3
+# The steps of the Containerfile, with the bare Debian as its image.
+entry=
+while read -r step words; do
+  case $step in
+    '' | '#'*) ;;
+    FROM) [[ $words == */debian:12-slim ]] || { echo "check_deb: the image is $words" >&2; exit 1; } ;;
+    COPY) (cd "$(dirname "$deb")" && cp ${words% *} "$root${words##* }") ;;   # the pattern is one for the shell
+    RUN) inside sh -c "$words" < /dev/null | tail -n 3 ;;
+    WORKDIR) inside mkdir -p "$words" ;;
+    ENTRYPOINT) entry=$(python3 -c 'import json, sys; print(*json.loads(sys.argv[1]))' "$words") ;;
+    *) echo "check_deb: the Containerfile has a step $step" >&2; exit 1 ;;
+  esac
+done < "$(dirname "${BASH_SOURCE[0]}")/../share/containers/Containerfile"
 
 small=/srv/small.yaml
 sed -e 's/^name: .*/name: small/' -e 's/^rate_hz: .*/rate_hz: 2/' -e 's/^firing_period_us: .*/firing_period_us: 4000/' \
   "$root/usr/share/underbrush/sensors/velodyne-vlp16.yaml" > "$root$small"
-inside underbrush --version
+inside $entry --version
 inside rm -rf /srv/demo
 inside underbrush demo -o /srv/demo --sensor "$small" --sub-rays 1
 for file in /srv/demo/report/index.html /usr/share/man/man1/underbrush.1.gz /usr/share/doc/underbrush/copyright \

@@ -152,6 +152,37 @@ def test_parquet_folders(log: underbrush.BeamLog, tmp_path: pathlib.Path) -> Non
     assert len(list((tmp_path / "scans").iterdir())) == len(np.unique(rich.scan))
 
 
+def test_polars_pandas_and_duckdb_read_a_log(log: underbrush.BeamLog) -> None:
+    polars = pytest.importorskip("polars", reason="polars is not installed")
+    pandas = pytest.importorskip("pandas", reason="pandas is not installed")
+    rich = three_minutes(log)
+    frames = {"polars": polars.DataFrame(rich), "polars, as structs": polars.from_arrow(rich).struct.unnest(),
+              "pandas": pa.table(rich).to_pandas()}
+    if hasattr(pandas.DataFrame, "from_arrow"):  # Since version 3.
+        frames["pandas, by capsule"] = pandas.DataFrame.from_arrow(rich)
+    for name, frame in frames.items():
+        assert list(frame.columns) == [*COLUMNS, "class", "noise"], name
+        for column in frame.columns:
+            of_log = rich.extra[column] if column in rich.extra else getattr(rich, column)
+            values = np.stack(frame[column].to_numpy()) if of_log.ndim == 2 else frame[column].to_numpy()
+            assert values.dtype == of_log.dtype and values.tobytes() == of_log.tobytes(), (name, column)
+    counted = duckdb.sql("select class, count(*), sum(ring) from rich group by class order by class").fetchall()
+    classes = [rich.extra["class"] == k for k in range(7)]
+    assert counted == [(k, int(of.sum()), int(rich.ring[of].sum())) for k, of in enumerate(classes)]
+
+
+def test_dask_reads_a_folder(log: underbrush.BeamLog, tmp_path: pathlib.Path) -> None:
+    frames = pytest.importorskip("dask.dataframe", reason="dask's data frames are not installed")
+    rich = three_minutes(log)
+    underbrush.write_parquet(tmp_path / "folder", rich)
+    frame = frames.read_parquet(tmp_path / "folder")
+    assert frame.npartitions >= 3 and len(frame) == len(rich)
+    hits = frame[np.isfinite(frame.range_m)].groupby("ring").range_m.agg(["count", "max"]).compute().sort_index()
+    rings = [(rich.ring == ring) & np.isfinite(rich.range_m) for ring in hits.index]
+    assert list(hits["count"]) == [int(of.sum()) for of in rings] and hits["count"].sum() == np.isfinite(rich.range_m).sum()
+    assert list(hits["max"]) == [rich.range_m[of].max() for of in rings]
+
+
 def test_geoparquet(log: underbrush.BeamLog, tmp_path: pathlib.Path) -> None:
     geopandas = pytest.importorskip("geopandas", reason="geopandas is not installed")
     rich = three_minutes(log)

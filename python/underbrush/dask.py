@@ -17,7 +17,7 @@ def submit(plan: str | os.PathLike[str], client: Any, *, threads: int = 1, retri
 
     Workers need this package, and access under the same path to the folder in which this process works and the plan was
     made. A future's result has `seconds` and `peak_memory_bytes`; a task that fails `retries` + 1 times raises
-    `RuntimeError` with the program's last line, and the others go on. With `memory`, each task requests the plan's
+    `RuntimeError` with the program's last lines, as do the tasks that take its outputs, and all others go on. With `memory`, each task requests the plan's
     guess of its memory as the resource `memory`, in bytes, which workers then must have (`dask worker --resources`).
     Once all futures are done, `underbrush merge PLAN` joins what they made.
 
@@ -28,21 +28,16 @@ def submit(plan: str | os.PathLike[str], client: Any, *, threads: int = 1, retri
     """
     tasks = json.loads((pathlib.Path(plan) / "plan.json").read_text(encoding="utf-8"))["tasks"]
     futures: dict[int, Any] = {}
-    stages = sorted({task["stage"] for task in tasks})
-    before: list[Any] = []
-    for stage in stages:
-        for number, task in enumerate(tasks):
-            if task["stage"] == stage:
-                resources = {"memory": task["memory_bytes"]} if memory else None
-                futures[number] = client.submit(_run, os.fspath(plan), number, remote or os.getcwd(), threads, before,
-                                                key=f"{pathlib.Path(plan).name}-{number}-{os.urandom(4).hex()}",
-                                                retries=retries, resources=resources, pure=False)
-        before = [future for number, future in futures.items() if tasks[number]["stage"] == stage]
+    for number, task in sorted(enumerate(tasks), key=lambda pair: pair[1]["stage"]):
+        earlier = [futures[output["task"]] for output in task["earlier"]]
+        futures[number] = client.submit(_run, os.fspath(plan), number, remote or os.getcwd(), threads, earlier,
+                                        key=f"{pathlib.Path(plan).name}-{number}-{os.urandom(4).hex()}", retries=retries,
+                                        resources={"memory": task["memory_bytes"]} if memory else None, pure=False)
     return [futures[number] for number in range(len(tasks))]
 
 
-def _run(plan: str, number: int, folder: str | Remote, threads: int, _before: object) -> dict[str, Any]:
-    """Runs a task on a worker; `_before` are the results of the stage before, for which Dask waits."""
+def _run(plan: str, number: int, folder: str | Remote, threads: int, _earlier: object) -> dict[str, Any]:
+    """Runs a task on a worker; `_earlier` are the results of those whose outputs it takes."""
     if isinstance(folder, Remote):
         return run_task(pathlib.Path(plan).name, number, folder, threads=threads)
     done = subprocess.run([program(), "run", plan, "--task", str(number), "--threads", str(threads), "--json", "-"],

@@ -186,6 +186,29 @@ class Jobs(JobFolder):
         self.record(4).write_text(json.dumps(other))
         self.assert_fails(self.call("merge", "plan"), 3, "task 4", "another output of task 1")
 
+    def test_settings_of_a_file(self):
+        settings = self.ok("dump-config", "simulate").replace("range-noise: 0\n", "range-noise: 0.02\n")
+        settings = settings.replace("seed: 1\n", "seed: 9\n").replace("# sensor: ", "sensor: velodyne-vlp16")
+        settings = settings.replace("# mover: ", "mover: [field.obj:poses.txt]").replace("rain: 0\n", "rain: 20\n")
+        self.ok(*SENSED.split(), "--range-noise", 0.02, "--seed", 3, "-o", "seen.ublog")
+        fit = self.ok("dump-config", "fit").replace("\nrounds: 5\n", "\nrounds: 1\n")
+        for k, (command, text, tasks, seed) in enumerate((
+                ("simulate field.obj --config set.yaml --trajectory poses.txt --rain 0 -o {}.ply", settings, 3, 9),
+                ("fit seen.ublog --config=set.yaml --seed 4 -o {}", fit, 5, 4))):
+            with self.subTest(command):
+                (self.folder / "set.yaml").write_text(text)
+                self.assertEqual(self.plan(command.format(f"joined{k}"), f"plan{k}", pieces=3), tasks)
+                planned = json.loads((self.folder / f"plan{k}/plan.json").read_text())
+                self.assertEqual({task["seed"] for task in planned["tasks"]}, {seed})
+                self.assertIn("set.yaml", planned["inputs"])
+                self.run_tasks(range(tasks), f"plan{k}")
+                self.ok("merge", f"plan{k}")
+                self.ok(*command.format(f"whole{k}").split())
+        self.assertEqual(self.bytes_of("joined0.ply"), self.bytes_of("whole0.ply"))
+        self.assertEqual(self.files_of("joined1"), self.files_of("whole1"))
+        (self.folder / "set.yaml").write_text("[a\n")
+        self.assert_fails(self.call("plan", "job.yaml", "-o", "bad"), 3, "set.yaml", "line")
+
     def test_estimates(self):
         """Memory and bytes are estimated within 30 % from small parts of a job; times are on the page of performance."""
         (self.folder / "poses.txt").write_text(POSES.replace("0.1 0.5", "0.4 2"))
@@ -330,7 +353,7 @@ class Jobs(JobFolder):
 cat > job.sh
 case "$*" in
 *--array=0-{tasks - 1}*) for k in $(seq 0 {tasks - 1}); do SLURM_ARRAY_TASK_ID=$k sh job.sh >&2; done; echo 17 ;;
-*--dependency=afterok:17*) sh job.sh ;;
+*--dependency=afterany:17*) sh job.sh ;;
 *) exit 1 ;;
 esac
 """)

@@ -150,6 +150,36 @@ TEST(LogFile, RowsAreThoseOfTheWholeLog) {
   EXPECT_EQ(chunk.end_point(0), whole.end_point(3000));
 }
 
+// Whatever stands before a part of a log is not read: damage there changes nothing.
+TEST(LogFile, APartIsReadAlone) {
+  const TemporaryFolder folder;
+  constexpr size_t kFirst = 150'000, kEnd = 199'990;
+  for (const char* name : {"log.ply", "log.ublog"}) {
+    write_log(folder / name, random_log(5, 200'000, 0), kProvenance);
+    const BeamLog whole = read_log(folder / name);
+    std::string bytes = bytes_of(folder / name);
+    const size_t damaged = bytes.size() / 2;
+    bytes.replace(damaged, 1000, 1000, '\xff');
+    put_bytes(folder / name, bytes);
+    BeamReader reader(folder / name, 10'000);
+    BeamWindow part(reader, kFirst, kEnd);
+    part.rewind();
+    size_t at = kFirst;
+    for (BeamLog chunk; part.next(chunk); at += chunk.size()) {
+      for (size_t i = 0; i < chunk.size(); ++i) {
+        ASSERT_EQ(chunk.end_point(i), whole.end_point(at + i)) << name;
+        ASSERT_EQ(chunk.packet[i], whole.packet[at + i]) << name;
+      }
+    }
+    EXPECT_EQ(at, kEnd);
+    // A part in which rows are damaged has no place among the others.
+    BeamWindow other(reader, 0, kFirst);
+    other.rewind();
+    BeamLog chunk;
+    EXPECT_THROW(while (other.next(chunk)){}, FormatError) << name;
+  }
+}
+
 TEST(LogFile, ReadsForeignRayClouds) {
   for (const bool doubles : {false, true}) {
     const TemporaryFolder folder;

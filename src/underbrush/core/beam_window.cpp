@@ -11,7 +11,8 @@ size_t BeamWindow::size() const {
 
 void BeamWindow::rewind() {
   at_ = 0;
-  auto* const seekable = dynamic_cast<SeekableSource*>(&source_);
+  const bool is_part = first_ > 0 || end_ < source_.size();
+  auto* const seekable = is_part ? dynamic_cast<SeekableSource*>(&source_) : nullptr;
   seekable ? void(at_ = seekable->seek(first_)) : source_.rewind();
 }
 

@@ -12,6 +12,12 @@ BeamReader::BeamReader(const std::filesystem::path& path, size_t chunk_size)
   LogReader::rewind();
 }
 
+size_t BeamReader::seek(size_t beam) {
+  if (beams_ == LogReader::size()) return LogReader::seek(beam);
+  rewind();
+  return 0;
+}
+
 bool BeamReader::next(BeamLog& chunk) {
   while (LogReader::next(chunk)) {
     keep_first_echoes(chunk);

@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "underbrush/core/beam_log.hpp"
+#include "underbrush/core/beam_window.hpp"
 
 namespace underbrush::io {
 
@@ -30,13 +30,17 @@ struct LogWindow {
 
 /// Reads a log of either format in chunks; the file's first bytes determine which. Throws
 /// `FormatError` as soon as it finds damage.
-class LogReader : public BeamSource {
+class LogReader : public SeekableSource {
  public:
   explicit LogReader(const std::filesystem::path& path, size_t chunk_size = 1 << 20);
   ~LogReader() override;
   const LogInfo& info() const override;
   size_t size() const override;
   void rewind() override;
+  /// Starts at the chunk that has row `row`. The logs of other programs, some rows of which may be
+  /// no beams, are read from their start. Until `rewind`, `next` throws `FormatError` for a row
+  /// that it would leave out.
+  size_t seek(size_t row) override;
   bool next(BeamLog& chunk) override;
   /// From now on, `next` gives the rows [first, end) of the file alone, and does not read others.
   void keep_rows(size_t first, size_t end);
@@ -64,6 +68,9 @@ class BeamReader : public LogReader {
  public:
   explicit BeamReader(const std::filesystem::path& path, size_t chunk_size = 1 << 20);
   size_t size() const override { return beams_; }
+  /// Starts at the chunk that has beam `beam`, as above. A log with several echoes a beam is read
+  /// from its start.
+  size_t seek(size_t beam) override;
   bool next(BeamLog& chunk) override;
 
  private:

@@ -44,9 +44,12 @@ struct LogReader::State {
   }
 
   void drop(const std::vector<uint8_t>& fault, BeamLog& chunk);
+  /// Throws `FormatError` if a row from `row` on has a fault.
+  void check(const std::vector<uint8_t>& fault, size_t row) const;
 
   std::unique_ptr<LogRows> file;
   size_t chunk_size, first = 0, end, at = 0;
+  bool sought = false;
   std::map<std::string, size_t> skipped;
 };
 
@@ -66,6 +69,14 @@ void LogReader::State::drop(const std::vector<uint8_t>& fault, BeamLog& chunk) {
   chunk = std::move(kept);
 }
 
+void LogReader::State::check(const std::vector<uint8_t>& fault, size_t row) const {
+  const auto bad =
+      std::find_if(fault.begin(), fault.end(), [](uint8_t f) { return f != kNoFault; });
+  if (bad == fault.end()) return;
+  row += size_t(bad - fault.begin());
+  throw FormatError(file->file(), "row " + std::to_string(row), "no usable beam");
+}
+
 LogReader::LogReader(const std::filesystem::path& path, size_t chunk_size)
     : state_(std::make_unique<State>(path, chunk_size)) {}
 
@@ -78,7 +89,16 @@ const std::map<std::string, size_t>& LogReader::skipped() const { return state_-
 
 void LogReader::rewind() {
   state_->at = state_->first;
+  state_->sought = false;
   state_->skipped.clear();
+}
+
+size_t LogReader::seek(size_t row) {
+  State& s = *state_;
+  rewind();
+  s.sought = s.file->comments.ours;
+  if (s.sought) s.at += std::min(row, s.end - s.first) / s.chunk_size * s.chunk_size;
+  return s.at - s.first;
 }
 
 void LogReader::keep_rows(size_t first, size_t end) {
@@ -95,6 +115,7 @@ bool LogReader::next(BeamLog& chunk) {
     if (n == 0) return false;
     std::vector<uint8_t> fault(n);
     s.file->read(s.at, chunk, fault);
+    if (s.sought) s.check(fault, s.at);
     s.at += n;
     s.drop(fault, chunk);
   } while (chunk.empty());
@@ -107,12 +128,7 @@ BeamLog LogReader::rows(size_t first, size_t n) const {
   state_->prepare(out, n);
   std::vector<uint8_t> fault(n);
   state_->file->read(first, out, fault);
-  const auto bad =
-      std::find_if(fault.begin(), fault.end(), [](uint8_t f) { return f != kNoFault; });
-  if (bad != fault.end()) {
-    const size_t row = first + size_t(bad - fault.begin());
-    throw FormatError(state_->file->file(), "row " + std::to_string(row), "no usable beam");
-  }
+  state_->check(fault, first);
   return out;
 }
 

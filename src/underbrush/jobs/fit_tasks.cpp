@@ -26,8 +26,8 @@ std::string log_of(const Task& fit) {
   return logs[0];
 }
 
-int rounds_of(const Task& fit) {
-  const std::string given = value_of(fit.command, "--rounds");
+int rounds_of(const std::vector<std::string>& words) {
+  const std::string given = value_of(words, "--rounds");
   int rounds = kDefaults.likelihood.rounds;
   try {
     if (!given.empty()) rounds = std::stoi(given);
@@ -39,14 +39,14 @@ int rounds_of(const Task& fit) {
   return rounds;
 }
 
-void check_stages(const Task& fit) {
-  const std::string fitter = value_of(fit.command, "--fitter");
+void check_stages(const std::vector<std::string>& words) {
+  const std::string fitter = value_of(words, "--fitter");
   require(fitter.empty() || fitter == kDefaults.fitter,
           "only fits by likelihood are cut into pieces, which sum up its passes");
-  require(value_of(fit.command, "--echoes") != "all",
+  require(value_of(words, "--echoes") != "all",
           "a fit of all echoes is not cut into pieces, because a beam may lie in two of them");
   for (const char* option : {"--export-splat", "--export-ground"}) {
-    require(value_of(fit.command, option).empty(), "a fit that is cut into pieces exports nothing");
+    require(value_of(words, option).empty(), "a fit that is cut into pieces exports nothing");
   }
 }
 
@@ -60,9 +60,10 @@ std::string value_of(const std::vector<std::string>& words, const std::string& o
   return {};
 }
 
-size_t add_fit(const Task& whole, size_t pieces, Plan& plan) {
-  check_stages(whole);
-  const size_t rounds = size_t(rounds_of(whole)), rows = io::LogReader(log_of(whole)).size();
+size_t add_fit(const Task& whole, const std::vector<std::string>& words, size_t pieces,
+               Plan& plan) {
+  check_stages(words);
+  const size_t rounds = size_t(rounds_of(words)), rows = io::LogReader(log_of(whole)).size();
   pieces = std::min(pieces, std::max<size_t>(rows, 1));
   const auto add = [&](size_t stage, const std::string& name, const char* output, double seconds,
                        std::vector<EarlierOutput> earlier) {

@@ -2,6 +2,8 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
+#include <functional>
 #include <sstream>
 
 #include "underbrush/core/check.hpp"
@@ -65,21 +67,18 @@ std::string filled(const std::string& word, const std::map<std::string, std::str
   return out + word.substr(at);
 }
 
-}  // namespace
-
-Job read_job(const std::filesystem::path& path) {
+/// Calls a function with each key of a YAML file and its value. Throws `FormatError`.
+void for_each_entry(const std::filesystem::path& path,
+                    const std::function<void(const std::string&, const YAML::Node&)>& use) {
   const std::string file = path.string();
   std::string key;
-  Job job;
   try {
     const YAML::Node root = YAML::Load(read_file(path, kMostBytes));
     require_data(root.IsMap(), "expected lines of KEY: VALUE");
     for (const auto& entry : root) {
       key = entry.first.as<std::string>();
-      set(job, key, entry.second);
+      use(key, entry.second);
     }
-    key = "command";
-    require_data(!job.command.empty(), "missing");
   } catch (const YAML::ParserException& e) {
     throw FormatError(file, "line " + std::to_string(e.mark.line + 1), e.msg);
   } catch (const YAML::Exception&) {
@@ -87,6 +86,19 @@ Job read_job(const std::filesystem::path& path) {
   } catch (const DataError& e) {
     throw FormatError(file, key, e.what());
   }
+}
+
+bool is_option(const std::string& word, const std::string& option) {
+  return word == option || word.starts_with(option + "=");
+}
+
+}  // namespace
+
+Job read_job(const std::filesystem::path& path) {
+  Job job;
+  for_each_entry(path,
+                 [&](const std::string& key, const YAML::Node& value) { set(job, key, value); });
+  if (job.command.empty()) throw FormatError(path.string(), "command", "missing");
   return job;
 }
 
@@ -113,6 +125,26 @@ std::vector<std::vector<std::string>> commands_of(const Job& job) {
     throw std::invalid_argument("over has values of " + printable(name) +
                                 ", but the command has no {" + printable(name) + "}");
   }
+  return out;
+}
+
+std::vector<std::string> with_settings(const std::vector<std::string>& words) {
+  const std::string kConfig = "--config";
+  const auto at = std::ranges::find_if(words, [&](const auto& w) { return is_option(w, kConfig); });
+  std::vector<std::string> out = words;
+  if (at == words.end()) return out;
+  require(*at != kConfig || at + 1 != words.end(),
+          "the command ends with an option without its value");
+  const std::string file = *at == kConfig ? at[1] : at->substr(kConfig.size() + 1);
+  for_each_entry(file, [&](const std::string& name, const YAML::Node& value) {
+    const std::string option = "--" + name;
+    const bool is_own =
+        std::ranges::any_of(words, [&](const auto& word) { return is_option(word, option); });
+    if (is_own) return;
+    const auto values =
+        value.IsSequence() ? texts_in(value) : std::vector<std::string>{value.as<std::string>()};
+    for (const std::string& text : values) out.push_back(option + "=" + text);
+  });
   return out;
 }
 

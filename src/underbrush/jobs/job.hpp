@@ -27,5 +27,9 @@ Job read_job(const std::filesystem::path& path);
 /// `std::invalid_argument` where {NAME} has no values, or a name is not in the command.
 std::vector<std::vector<std::string>> commands_of(const Job& job);
 
+/// Returns a command followed by the settings of its `--config` file, as options NAME=VALUE, but
+/// for those that the command has itself. Throws `FormatError`.
+std::vector<std::string> with_settings(const std::vector<std::string>& words);
+
 }  // namespace jobs
 }  // namespace underbrush

@@ -38,6 +38,7 @@ constexpr uint64_t kBytesOfStart = 256u << 20;
 /// A command taken apart.
 struct Command {
   std::vector<std::string> words;  ///< Without outputs.
+  std::vector<std::string> known;  ///< The same with the settings of its file.
   struct Named {
     std::string option, path;
   };
@@ -74,6 +75,7 @@ Command taken_apart(const std::vector<std::string>& words) {
     throw std::invalid_argument("the command of " + std::string(verb.name) +
                                 " names no output: a task's result is a file or folder");
   }
+  out.known = with_settings(out.words);
   return out;
 }
 
@@ -87,14 +89,14 @@ class Planner {
     Task task;
     task.command = command.words;
     task.command_number = commands_++;
-    task.inputs = inputs_of(command.words);
-    const std::string seed = value_of(command.words, "--seed");
+    task.inputs = inputs_of(command.known);
+    const std::string seed = value_of(command.known, "--seed");
     try {
       if (!seed.empty()) task.seed = std::stoull(seed);
     } catch (const std::logic_error&) {
       throw std::invalid_argument("--seed is not a number: " + in_quotes(seed));
     }
-    const std::string memory = value_of(command.words, "--memory");
+    const std::string memory = value_of(command.known, "--memory");
     const uint64_t of_world = regions::memory_of(memory.empty() ? regions::kMemory : memory);
     uint64_t bytes = 0;
     task.memory_bytes = kBytesOfStart;
@@ -180,15 +182,16 @@ class Planner {
     require(command.outputs.size() == 1 && command.outputs[0].option != "--json",
             "a command that is cut into pieces has one output, the log or the model");
     for (const char* option :
-         {"--profile", "--waveforms", "--rig", "--config", "--beams", "--update", "--stage"}) {
-      if (value_of(command.words, option).empty()) continue;
+         {"--profile", "--waveforms", "--rig", "--beams", "--update", "--stage"}) {
+      if (value_of(command.known, option).empty()) continue;
       throw std::invalid_argument(std::string(option) + " is not for pieces");
     }
     if (is_fit) {
-      plan_.results.push_back({command.outputs[0].path, {add_fit(whole, pieces_, plan_)}, 0, 0});
+      plan_.results.push_back(
+          {command.outputs[0].path, {add_fit(whole, command.known, pieces_, plan_)}, 0, 0});
       return;
     }
-    const std::unique_ptr<BeamSource> beams = beams_of(command.words);
+    const std::unique_ptr<BeamSource> beams = beams_of(command.known);
     BeamLog chunk;
     beams->rewind();
     require_data(beams->next(chunk), "no beams");

@@ -43,7 +43,8 @@ std::string slurm_script(const std::filesystem::path& folder, const Plan& plan) 
   std::ostringstream out;
   const std::string plan_word = quoted(folder);
   out << "#!/bin/sh\n# Submits the tasks of an underbrush plan to Slurm: run it where the plan was "
-         "made.\nset -e\nafter=\n";
+         "made.\n"
+         "# What is done already is not run again, so it may be submitted again.\nset -e\nafter=\n";
   for (const auto& [stage, tasks] : stages_of(plan)) {
     double seconds = 0;
     uint64_t bytes = 0;
@@ -51,14 +52,15 @@ std::string slurm_script(const std::filesystem::path& folder, const Plan& plan) 
       seconds = std::max(seconds, plan.tasks[k].seconds);
       bytes = std::max(bytes, plan.tasks[k].memory_bytes);
     }
-    out << "id=$(sbatch --parsable $after --cpus-per-task=1 --array=" << ranges_of(tasks)
+    out << "id=$(sbatch --parsable $after --requeue --cpus-per-task=1 --array=" << ranges_of(tasks)
         << " --time=" << uint64_t(std::ceil(seconds / 6)) << " --mem=" << ((2 * bytes) >> 20) + 1
-        << "M <<'END'\n#!/bin/sh\nexec underbrush run " << plan_word
-        << " --task \"$SLURM_ARRAY_TASK_ID\" --threads 1\nEND\n)\n"
-        << "after=--dependency=afterok:${id%%;*}\n";
+        << "M <<'END'\n#!/bin/sh\nfor time in first second third; do\n  underbrush run "
+        << plan_word
+        << " --task \"$SLURM_ARRAY_TASK_ID\" --threads 1 && exit\ndone\nexit 1\nEND\n)\n"
+        << "after=--dependency=afterany:${id%%;*}\n";
   }
-  out << "sbatch $after --cpus-per-task=1 <<'END'\n#!/bin/sh\nexec underbrush merge " << plan_word
-      << "\nEND\n";
+  out << "sbatch $after --requeue --cpus-per-task=1 <<'END'\n#!/bin/sh\nunderbrush plan --status "
+      << plan_word << "\nexec underbrush merge " << plan_word << "\nEND\n";
   return out.str();
 }
 
@@ -73,14 +75,11 @@ std::string makefile(const std::filesystem::path& folder, const Plan& plan) {
   for (size_t k = 0; k < plan.tasks.size(); ++k) out << " " << records << k << ".json";
   out << "\n\tunderbrush merge " << path << "\n.PHONY: merge\n"
       << records << "%.json:\n\tunderbrush run " << path << " --task $* --threads 1\n";
-  const auto stages = stages_of(plan);
-  for (auto stage = stages.begin(); stage != stages.end() && std::next(stage) != stages.end();
-       ++stage) {
-    for (const size_t later : std::next(stage)->second) {
-      out << records << later << ".json: |";
-      for (const size_t k : stage->second) out << " " << records << k << ".json";
-      out << "\n";
-    }
+  for (size_t k = 0; k < plan.tasks.size(); ++k) {
+    if (plan.tasks[k].earlier.empty()) continue;
+    out << records << k << ".json: |";
+    for (const EarlierOutput& e : plan.tasks[k].earlier) out << " " << records << e.task << ".json";
+    out << "\n";
   }
   return out.str();
 }

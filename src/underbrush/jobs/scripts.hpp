@@ -8,7 +8,8 @@
 namespace underbrush::jobs {
 
 /// Returns a shell script that submits a plan to Slurm: an array of tasks for each stage, which
-/// begins once the stage before has succeeded, and at last the merge. Each task gets twice the
+/// begins once the stage before has ended, and at last the status and the merge. A task that fails
+/// is run up to three times, and one whose node is lost is queued again. Each task gets twice the
 /// memory and ten times the time of the plan's guess, and one processor.
 std::string slurm_script(const std::filesystem::path& folder, const Plan& plan);
 
