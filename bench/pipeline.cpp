@@ -32,6 +32,16 @@ double median_rate(size_t items, int runs, F f) {
   return bench::median(rates);
 }
 
+/// The median rate of simulation in memory (beams/s), with keyframes or without them.
+double simulation_rate(const pipeline::TracedWorld& world, const BeamLog& log, int runs,
+                       bool keyframes) {
+  pipeline::SimulateOptions options;
+  options.keyframes = keyframes;
+  pipeline::Simulation simulation(world, options);
+  BeamLog answered = log;
+  return median_rate(log.size(), runs, [&] { simulation.answer(0, answered); });
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -57,15 +67,8 @@ int main(int argc, char** argv) {
   std::unique_ptr<pipeline::TracedWorld> world;
   const double build_s =
       seconds_of([&] { world = std::make_unique<pipeline::TracedWorld>(model); });
-  const auto simulate_rate_with = [&](bool keyframes) {
-    pipeline::SimulateOptions options;
-    options.keyframes = keyframes;
-    pipeline::Simulation simulation(*world, options);
-    BeamLog answered = log;
-    return median_rate(log.size(), runs, [&] { simulation.answer(0, answered); });
-  };
-  const double simulate_rate = simulate_rate_with(true),
-               bare_rate = simulate_rate_with(false);  // without keyframes
+  const double simulate_rate = simulation_rate(*world, log, runs, true),
+               bare_rate = simulation_rate(*world, log, runs, false);
   const bench::Embree embree(model.ground);
   std::vector<Ray> rays;
   for (size_t i = 0; i < log.size(); ++i) {

@@ -67,11 +67,9 @@ TABLES = {
         uncompared={f"{done}, MB/s, .{ending}": RATE for done in ("written", "read") for ending in ("ply", "ublog")}),
     "bench-pipeline": Measured(
         (Part((bench("pipeline"),), pipeline("generated site")),
-         *(Part((bench("pipeline", f'"$WORK/{log}/log.ply"', f".{log}", needs=(LOGS[log],), after=(HALVES[log],)),),
-                pipeline(log)) for log in ("kitti_0005_city", DRIVE))),
+         Part((bench("pipeline", f'"$WORK/{DRIVE}/log.ply"', f".{DRIVE}", **DRIVE_LOG),), pipeline(DRIVE))),
         relative={"simulate / Embree": 0.35},
         uncompared={row: RATE for row in ("fit, beams/s", "fit, ×", "simulate, beams/s", "simulate, ×",
-                                          "simulate without keyframes",
                                           "Embree closest hit")}),
     "bench-fitters": Measured(
         (Part((bench("fitters", "--runs 1"),), bench_fitters),),

@@ -39,6 +39,9 @@ std::optional<Pose> pose_from_rows(const std::array<double, 12>& rows);
 /// Turns times that are dates from 2001 on in ms, µs or ns into s. Returns what they were, such as
 /// "ns since 1970"; "" for all others, which stay.
 std::string use_dates(std::vector<double>& times);
+/// Says from when to when the poses are (s) among which one for this time is missing, and what
+/// clock they may have instead of its own.
+std::string times_of_poses(double time_s, double first_s, double last_s);
 
 /// Reads a file with one time (s) for each line. Throws `FormatError` unless they ascend.
 std::vector<double> read_times(const std::filesystem::path& path);

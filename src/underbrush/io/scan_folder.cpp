@@ -142,30 +142,6 @@ bool poses_have_the_scans_times(const std::vector<ScanFile>& files, const ScanPl
       files, [&](const ScanFile& f) { return f.time_s && *f.time_s >= from && *f.time_s <= to; });
 }
 
-/// Says from when to when the poses are among which one for this time is missing, and what clock
-/// they may have instead of its own.
-std::string times_of_poses(double time_s, double first_s, double last_s) {
-  constexpr double kDates = 978307200, kWeek = 604800;  // s; from 2001 on
-  constexpr double kFirstWeek = 315964800, kLeap = 18;  // s; of GPS, ahead of UTC since 2017
-  const double week_s = std::fmod(time_s - kFirstWeek + kLeap, kWeek);
-  const char* clock = "";
-  if (time_s >= kDates && last_s < kDates) {
-    const bool of_week = week_s > first_s - kLeap && week_s < last_s + kLeap;
-    clock = of_week           ? "; they are seconds of the GPS week, the scans' are dates"
-            : last_s <= kWeek ? "; they may be seconds of the GPS week or of a clock that starts "
-                                "at zero, the scans' are dates"
-                              : "; the scans' are dates";
-  } else if (time_s < kDates && first_s >= kDates) {
-    clock =
-        "; they are dates, the scans' may be seconds of the GPS week or of a clock that starts "
-        "at zero";
-  }
-  char text[240];
-  std::snprintf(text, sizeof text, ": the times of the poses go from %.3f to %.3f s%s", first_s,
-                last_s, clock);
-  return text;
-}
-
 /// Finds the time and pose of every scan.
 class Placer {
  public:

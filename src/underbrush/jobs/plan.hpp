@@ -33,7 +33,7 @@ struct EarlierOutput {
 
 /// A command that depends on no other task of its stage.
 struct Task {
-  size_t stage = 0;  ///< Tasks of a stage run once all of the stages before are done.
+  size_t stage = 0;                  ///< After those of the tasks whose outputs it takes.
   std::vector<std::string> command;  ///< The words after the program's name, without outputs.
   std::vector<std::string> inputs;   ///< Paths, as the command names them.
   std::vector<EarlierOutput> earlier;
