@@ -143,7 +143,8 @@ std::vector<std::string> with_settings(const std::vector<std::string>& words) {
     if (is_own) return;
     const auto values =
         value.IsSequence() ? texts_in(value) : std::vector<std::string>{value.as<std::string>()};
-    for (const std::string& text : values) out.push_back(option + "=" + text);
+    const std::string with = option + "=";
+    for (const std::string& text : values) out.push_back(with + text);
   });
   return out;
 }
