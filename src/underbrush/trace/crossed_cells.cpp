@@ -122,19 +122,28 @@ CrossedCells::CrossedCells(const elements::ObservedSpace& space, const MatterAbo
 
 void CrossedCells::leave_out(const elements::ObservedSpace& space, const MatterAbove& matter) {
   std::array<Layers, size_t(kSide) * kSide> with;  // of the columns of cells of a column of blocks
+  Layers every;                                    // the layers with matter in all of them
   const Column* last = nullptr;
   for (const ObservedBlock& b : space.blocks) {
     const int32_t x = kSide * b.at.x, y = kSide * b.at.y, z = kSide * b.at.z;
     Column& column = columns_[column_of(x, y)];
     if (&column != last) {
       column.top = INT32_MIN;
+      every = {INT32_MIN, INT32_MAX};
       for (int32_t k = 0; k < kSide * kSide; ++k) {
         with[size_t(k)] = matter(x + k % kSide, y + k / kSide);
         column.top = std::max(column.top, with[size_t(k)].last);
+        every = {std::max(every.first, with[size_t(k)].first),
+                 std::min(every.last, with[size_t(k)].last)};
       }
       last = &column;
     }
+    if (z >= every.first && z + kSide - 1 <= every.last) continue;
     uint32_t* words = &words_[blocks_[place(x, y, z)] * kWords];
+    if (z > column.top) {
+      std::fill_n(words, kWords, ~0u);
+      continue;
+    }
     for (int32_t c = 0; c < int32_t(ObservedBlock::kCells); ++c) {
       const Layers& in = with[size_t(c) % with.size()];
       const int32_t layer = z + c / (kSide * kSide);
