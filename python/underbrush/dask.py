@@ -17,8 +17,9 @@ def submit(plan: str | os.PathLike[str], client: Any, *, threads: int = 1, retri
 
     Workers need this package, and access under the same path to the folder in which this process works and the plan was
     made. A future's result has `seconds` and `peak_memory_bytes`; a task that fails `retries` + 1 times raises
-    `RuntimeError` with the program's last lines, as do the tasks that take its outputs, and all others go on. With `memory`, each task requests the plan's
-    guess of its memory as the resource `memory`, in bytes, which workers then must have (`dask worker --resources`).
+    `RuntimeError` with the program's last lines, as do the tasks that take its outputs, and all others go on. With
+    `memory`, each task requests the plan's guess of its memory as the resource `memory`, in bytes, which workers then
+    must have (`dask worker --resources`).
     Once all futures are done, `underbrush merge PLAN` joins what they made.
 
     With `remote`, workers share no folder: files are fetched from where `underbrush.remote.put_plan` has put them, and
@@ -31,8 +32,9 @@ def submit(plan: str | os.PathLike[str], client: Any, *, threads: int = 1, retri
     for number, task in sorted(enumerate(tasks), key=lambda pair: pair[1]["stage"]):
         earlier = [futures[output["task"]] for output in task["earlier"]]
         futures[number] = client.submit(_run, os.fspath(plan), number, remote or os.getcwd(), threads, earlier,
-                                        key=f"{pathlib.Path(plan).name}-{number}-{os.urandom(4).hex()}", retries=retries,
-                                        resources={"memory": task["memory_bytes"]} if memory else None, pure=False)
+                                        key=f"{pathlib.Path(plan).name}-{number}-{os.urandom(4).hex()}",
+                                        retries=retries, resources={"memory": task["memory_bytes"]} if memory else None,
+                                        pure=False)
     return [futures[number] for number in range(len(tasks))]
 
 
