@@ -54,7 +54,7 @@ std::vector<uint32_t> OpenRegions::around(const std::vector<uint32_t>& regions) 
     }
   }
   std::ranges::sort(out);
-  out.erase(std::ranges::unique(out).begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
   return out;
 }
 
