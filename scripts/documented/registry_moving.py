@@ -83,6 +83,12 @@ done
   cyclist-2=turned.ply > edits.json
 rm -r *.ply ghosts world
 """, TRACKS_NEEDS)
+#: The same drive with all scans, whose moving objects are found without the labels.
+ACTORS_FOUND = Job("actors-found.kitti_0005_tracks", f"""{TRACKS}underbrush actors log.ply -o found
+underbrush actors log.ply --boxes "$DATA/kitti_0005_tracks/objects.csv" --boxes-elevation-deg 0.205 -o labelled
+"$PYTHON" "$SOURCE/scripts/found_actors.py" labelled found > found.json
+rm log.ply
+""", TRACKS_NEEDS)
 ACTOR_ROWS = {"ghosts": "ghosts in the world", "world": "left out", "boxes": "boxes", "actors": "actors"}
 ACTOR_SCORES = {"capped error, m": "capped_error_m", "informedness": "informedness",
                 "packet error, m": "packet_error_m", "recall of misses": "recall_of_misses",
@@ -97,6 +103,13 @@ def actors(folder):
             score = {**read["models"], **read["baselines"]}[model]
             for column, key in ACTOR_SCORES.items():
                 yield f"{row}/{words}", column, cell(score, key)
+
+
+def actors_found(folder):
+    for name, row in read_json(folder / "found.json")["labelled"].items():
+        for column, key in (("scans", "scans"), ("found in", "found"), ("as actors", "actors"),
+                            ("distance, m", "distance_m")):
+            yield name.rpartition("-")[0], column, [row[key]]
 
 
 #: The scores of all beams of the scans that were held out but those that end at an actor.
@@ -128,6 +141,7 @@ def measured():
     """The tables of this file, by name."""
     return {"sequential": Measured((Part((SEQUENTIAL,), sequential),)),
             "actors": Measured((Part((ACTORS,), actors),)),
+            "actors-found": Measured((Part((ACTORS_FOUND,), actors_found),)),
             "actors-static": Measured((Part((ACTORS,), actors_static),)),
             "actors-edits": Measured((Part((ACTORS,), actor_edits),)),
             "movers": Measured((Part((MOVERS,), movers), Part((MOVERS_FOREST,), movers_forest)))}

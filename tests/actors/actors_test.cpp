@@ -110,6 +110,7 @@ std::pair<double, double> errors_of(const std::vector<View>& views) {
 
 TEST(Actors, TheReturnsOfTheBoxesAreMarkedAndNoOthers) {
   Drive d = drive();
+  d.boxes[0].object.label = perception::ObjectClass::kOther;
   const std::vector<Track> tracks = tracks_of(d.boxes);
   ASSERT_EQ(tracks.size(), 1u);
   EXPECT_EQ(tracks[0].name(), "car-1");

@@ -88,6 +88,28 @@ TEST(Clusters, TheOrderOfThePointsMeansNothingToTheClusters) {
   }
 }
 
+// A van with a thing on its roof that is seen apart from its sides, and a pedestrian beside it.
+TEST(ObjectPipeline, PartsInTheFootprintOfASegmentBelongToIt) {
+  MergedCloud cloud = test::empty_cloud(0);
+  test::add_ground(cloud, 40);
+  test::add_box(cloud, {{8, 3, 1}, 0, {5, 2.4, 2}});
+  test::add_box(cloud, {{8, 3, 1.8}, 0, {0.5, 0.2, 0.8}});
+  test::add_box(cloud, {{8, -0.2, 0.9}, 0, {0.5, 0.5, 1.8}});
+  std::vector<Vec3> world;
+  to_world(cloud, world);
+  Clusters clusters;
+  Segments apart;
+  clusters.find(cloud, world, apart);
+  ASSERT_EQ(apart.size(), 3u);
+  ObjectPipeline pipeline;
+  ObjectList list;
+  pipeline.step(cloud, list);
+  const Segments& joined = pipeline.segments();
+  ASSERT_EQ(joined.size(), 2u);
+  EXPECT_EQ(joined.points(0).size(), apart.points(0).size() + apart.points(1).size());
+  EXPECT_EQ(joined.points(1).size(), apart.points(2).size());
+}
+
 // A car that drives ahead, and one that stands.
 void scene(int cycle, MergedCloud& cloud) {
   const double t = kCycle * cycle;

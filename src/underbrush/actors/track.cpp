@@ -1,6 +1,7 @@
 #include "underbrush/actors/track.hpp"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <map>
 
@@ -21,6 +22,13 @@ Vec3 median_size(const std::vector<SeenBox>& boxes) {
     out[axis] = median(std::move(sizes));
   }
   return out;
+}
+
+/// The class of most boxes; of equals the first.
+perception::ObjectClass usual_class(const std::vector<SeenBox>& boxes) {
+  std::array<size_t, perception::kClassCount> count{};
+  for (const SeenBox& s : boxes) ++count[size_t(s.object.label)];
+  return perception::ObjectClass(std::ranges::max_element(count) - count.begin());
 }
 
 /// How far (m) a point of the frame of a box lies outside of it; negative inside.
@@ -72,7 +80,6 @@ std::vector<Track> tracks_of(std::span<const SeenBox> boxes) {
   std::map<uint64_t, Track> tracks;
   for (const SeenBox& s : boxes) {
     Track& t = tracks[s.object.id];
-    if (t.seen.empty()) t.label = s.object.label;
     t.id = s.object.id;
     t.seen.push_back(s);
   }
@@ -83,6 +90,7 @@ std::vector<Track> tracks_of(std::span<const SeenBox> boxes) {
     track.seen.erase(std::unique(track.seen.begin(), track.seen.end(), same_time),
                      track.seen.end());
     track.size_m = median_size(track.seen);
+    track.label = usual_class(track.seen);
     for (SeenBox& s : track.seen) s.object.box.size_m = track.size_m;
     out.push_back(std::move(track));
   }

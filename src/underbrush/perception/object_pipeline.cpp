@@ -36,6 +36,44 @@ void ObjectPipeline::reset() { *this = ObjectPipeline(options_); }
 void ObjectPipeline::find_candidates(const MergedCloud& cloud) {
   to_world(cloud, points_);
   clusters_.find(cloud, points_, segments_);
+  measure_segments();
+  if (!join_parts()) return;
+  segments_.gather(points_, candidates_.size());
+  measure_segments();
+}
+
+// The roof, the mirrors and the sides of a vehicle may be seen apart.
+bool ObjectPipeline::join_parts() {
+  constexpr uint32_t kWhole = kNoSegment;
+  const size_t count = candidates_.size();
+  whole_.assign(count, kWhole);
+  for (uint32_t part = 0; part < count; ++part) {
+    const SegmentShape& p = candidates_[part].shape;
+    for (uint32_t k = 0; k < count; ++k) {
+      const SegmentShape& s = candidates_[k].shape;
+      const bool is_larger = s.points > p.points || (s.points == p.points && k < part);
+      if (!candidates_[k].heading_rad || !is_larger) continue;
+      const Vec3 at = s.box.to_box(p.box.centre_m);
+      if ((at.head<2>().cwiseAbs().array() > s.box.size_m.head<2>().array() / 2).any()) continue;
+      if (whole_[part] == kWhole || s.points > candidates_[whole_[part]].shape.points) {
+        whole_[part] = k;
+      }
+    }
+  }
+  number_.resize(count);
+  uint32_t next = 0;
+  for (uint32_t k = 0; k < count; ++k) number_[k] = whole_[k] == kWhole ? next++ : kNoSegment;
+  if (next == count) return false;
+  for (uint32_t& segment : segments_.of_point) {
+    if (segment == kNoSegment) continue;
+    while (whole_[segment] != kWhole) segment = whole_[segment];
+    segment = number_[segment];
+  }
+  candidates_.resize(next);
+  return true;
+}
+
+void ObjectPipeline::measure_segments() {
   candidates_.clear();
   for (size_t s = 0; s < segments_.size(); ++s) {
     const auto points = segments_.points(s);

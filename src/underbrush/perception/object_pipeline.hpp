@@ -30,10 +30,10 @@ struct PipelineOptions {
   void check() const;
 };
 
-/// Ground removal, clustering, L-shape, assignment at the least sum of distances, and the track
-/// management of the tracking model. Its state is a plain value, and it allocates no memory after
-/// the first cycles, as long as there are no more points, clusters or objects (with the ground
-/// method "cone").
+/// Ground removal, clustering, L-shape, joining of parts, assignment at the least sum of distances,
+/// and the track management of the tracking model. Its state is a plain value, and it allocates no
+/// memory after the first cycles, as long as there are no more points, clusters or objects (with
+/// the ground method "cone").
 class ObjectPipeline {
  public:
   /// Throws `std::invalid_argument` for options out of range.
@@ -52,6 +52,10 @@ class ObjectPipeline {
     SegmentShape shape;
   };
   void find_candidates(const MergedCloud& cloud);
+  void measure_segments();
+  /// Gives the points of each segment whose centre lies in the footprint of a larger one to that
+  /// one, and returns whether there are such segments.
+  bool join_parts();
   void assign();
   void update(Track& track, uint32_t candidate);
   void begin_tracks();
@@ -71,6 +75,7 @@ class ObjectPipeline {
   std::vector<Vec3> points_;
   Segments segments_;
   std::vector<Candidate> candidates_;
+  std::vector<uint32_t> whole_, number_;
   std::vector<uint8_t> taken_;
   std::vector<double> cost_;
 };
