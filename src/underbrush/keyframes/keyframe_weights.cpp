@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -52,43 +53,96 @@ UNDERBRUSH_INLINE double sum_of(D x) {
   return sum;
 }
 
-/// Adds the shares of `n` samples, each in all places of `KeyframeWeights::pixel` at once.
+/// The sum of eight numbers over each set of them, in their order. A set is a number with a bit for
+/// each of its members.
+class SetSums {
+ public:
+  explicit SetSums(const F& x) {
+    for (size_t set = 1; set < sum_.size(); ++set) {
+      const size_t last = size_t(std::bit_width(set)) - 1;
+      sum_[set] = sum_[set ^ size_t(1) << last] + double(x[last]);
+    }
+  }
+  double operator[](uint8_t set) const { return sum_[set]; }
+
+ private:
+  std::array<double, 1 << kPixels> sum_{};
+};
+
+/// The numbers of a set, and 0 for all others.
+UNDERBRUSH_INLINE F only(uint8_t set, F x) {
+  constexpr I kBits{1, 2, 4, 8, 16, 32, 64, 128};
+  return (F)((I)x & ((kBits & int32_t(set)) != 0));
+}
+
+/// A sum of logarithms, of which products of many numbers are taken.
+class LogSum {
+ public:
+  UNDERBRUSH_INLINE void add(double x) {
+    product_ *= x;
+    if (product_ < kLeast || product_ > 1 / kLeast) take();
+  }
+  double total() {
+    take();
+    return sum_;
+  }
+
+ private:
+  static constexpr double kLeast = 1e-100;
+  void take() { sum_ += std::log(std::exchange(product_, 1.0)); }
+  double sum_ = 0, product_ = 1;
+};
+
+/// Adds the shares of `n` samples, each in all places of `KeyframeWeights::pixel` at once. The sum
+/// of ln f is added only where `with_likelihood` asks for it.
 UNDERBRUSH_CLONES void expect(const WeightSample* samples, const uint32_t* which, size_t n,
-                              const KeyframeWeights& t, Expected& out) {
-  F pixel, exponent[kScales], peak[kScales];
+                              const KeyframeWeights& t, bool with_likelihood, Expected& out) {
+  F pixel, exponent[kScales], peak[kScales], scaled[kScales], of_miss{};
   for (size_t r = 0; r < kPixels; ++r) pixel[r] = float(t.pixel[r]);
   for (size_t c = 0; c < kScales; ++c) {
     const auto sigma = float(t.sigma_m[c]);
     exponent[c] = all(-0.5f / (sigma * sigma));
     peak[c] = all(1 / (float(std::sqrt(2 * M_PI)) * sigma));
+    scaled[c] = pixel * float(t.scale[c]);
+    of_miss += scaled[c];
   }
+  const SetSums unseen_sums(pixel), miss_sums(of_miss);
   D pixels{}, scales[kScales]{}, squares[kScales]{};
+  LogSum likelihood;
+  double elements = 0;
   for (size_t i = 0; i < n; ++i) {
     const WeightSample& s = samples[which[i]];
-    const F hit = load(s.hit.data()), missed = load(s.missed.data());
+    // A beam that missed has no pixel in which both returned, and the other way round.
     const F off = load(s.off_m.data()), square = off * off;
-    const F unseen = pixel * load(s.unseen.data());
-    F part[kScales], sum{};
-    for (size_t c = 0; c < kScales; ++c) {
-      const F bell = peak[c] * exp_below_zero(exponent[c] * square);
-      part[c] = pixel * float(t.scale[c]) * (missed + hit * bell);
-      sum += part[c];
+    F part[kScales], sum = only(s.missed, of_miss);
+    double of_pixels = miss_sums[s.missed];
+    if (s.hit != 0) {
+      sum = F{};
+      for (size_t c = 0; c < kScales; ++c) {
+        const F bell = peak[c] * exp_below_zero(exponent[c] * square);
+        part[c] = scaled[c] * only(s.hit, bell);
+        sum += part[c];
+      }
+      of_pixels = sum_of(__builtin_convertvector(sum, D));
     }
-    const double of_elements = t.elements + sum_of(__builtin_convertvector(unseen, D));
-    const double total =
-        s.outlier + of_elements * s.elements + sum_of(__builtin_convertvector(sum, D));
+    const double of_elements = t.elements + unseen_sums[s.unseen];
+    const double total = s.outlier + of_elements * s.elements + of_pixels;
     if (!(total > 0)) continue;
-    out.likelihood += std::log(total);
+    if (with_likelihood) likelihood.add(total);
     // A pixel that a beam does not find has the density of the elements, with its own weight.
-    out.elements += t.elements * s.elements / total;
+    elements += t.elements * s.elements / total;
     const auto one = float(1 / total);
+    const F unseen = only(s.unseen, pixel);
     pixels += __builtin_convertvector(one * (sum + unseen * float(s.elements)), D);
+    if (s.hit == 0) continue;
     for (size_t c = 0; c < kScales; ++c) {
-      const F share = one * part[c] * hit;
+      const F share = one * part[c];
       scales[c] += __builtin_convertvector(share, D);
       squares[c] += __builtin_convertvector(share * square, D);
     }
   }
+  out.likelihood += likelihood.total();
+  out.elements += elements;
   for (size_t r = 0; r < kPixels; ++r) out.pixel[r] += pixels[r];
   for (size_t c = 0; c < kScales; ++c) {
     out.scale[c] += sum_of(scales[c]);
@@ -164,16 +218,17 @@ class WeightStep {
              const KeyframeWeights& prior, double prior_beams)
       : samples_(samples), which_(which), prior_(prior), prior_beams_(prior_beams) {}
 
-  /// Returns the next weights; `likelihood` becomes that of `t`.
-  KeyframeWeights operator()(const KeyframeWeights& t, double& likelihood) const {
+  /// Returns the next weights; `likelihood`, if it is given, becomes that of `t`.
+  KeyframeWeights operator()(const KeyframeWeights& t, double* likelihood = nullptr) const {
     constexpr size_t kPiece = 4096;
     std::vector<Expected> pieces((which_.size() + kPiece - 1) / kPiece);
     parallel_for(which_.size(), kPiece, [&](size_t begin, size_t end) {
-      expect(samples_.data(), which_.data() + begin, end - begin, t, pieces[begin / kPiece]);
+      expect(samples_.data(), which_.data() + begin, end - begin, t, likelihood != nullptr,
+             pieces[begin / kPiece]);
     });
     Expected all;
     for (const Expected& piece : pieces) all.add(piece);
-    likelihood = all.likelihood;
+    if (likelihood) *likelihood = all.likelihood;
     return weights_of(all, prior_, prior_beams_);
   }
 
@@ -194,8 +249,8 @@ KeyframeWeights most_likely(const std::vector<WeightSample>& samples,
   const WeightStep step(samples, which, prior, prior_beams);
   KeyframeWeights t = prior;
   for (int round = 0; round < kWeightRounds; ++round) {
-    double before = 0, after = 0, extrapolated = 0;
-    const KeyframeWeights one = step(t, before), two = step(one, after);
+    double after = 0, extrapolated = 0;
+    const KeyframeWeights one = step(t), two = step(one, &after);
     const WeightVector v0 = vector_of(t), v1 = vector_of(one), v2 = vector_of(two);
     const WeightVector change = v1 - v0, bend = v2 - v1 - change;
     t = two;
@@ -204,7 +259,7 @@ KeyframeWeights most_likely(const std::vector<WeightSample>& samples,
     if (!(norm > 0)) break;
     const double length = std::max(1.0, change.matrix().norm() / norm);
     const KeyframeWeights far = weights_of(v0 + 2 * length * change + length * length * bend);
-    const KeyframeWeights next = step(far, extrapolated);
+    const KeyframeWeights next = step(far, &extrapolated);
     if (extrapolated >= after) t = next;
   }
   return t;
@@ -216,7 +271,7 @@ std::array<bool, kPixels> unseen_by(const std::vector<WeightSample>& samples,
                                     const std::vector<uint32_t>& which) {
   std::array<double, kPixels> seen{};
   for (const uint32_t i : which) {
-    for (size_t r = 0; r < kPixels; ++r) seen[r] += 1 - double(samples[i].unseen[r]);
+    for (size_t r = 0; r < kPixels; ++r) seen[r] += 1 - (samples[i].unseen >> r & 1);
   }
   std::array<bool, kPixels> out;
   for (size_t r = 0; r < kPixels; ++r) out[r] = seen[r] < kPriorBeams;
@@ -234,14 +289,15 @@ void leave_to_elements(const std::array<bool, kPixels>& unseen, KeyframeWeights&
 
 WeightSample::WeightSample(const CachedPixels& found, double range_m) : situation(found.situation) {
   const bool beam_missed = std::isinf(range_m);
-  unseen.fill(1);
   for (size_t k = 0; k < found.count; ++k) {
     const size_t r = found.rank[k];
     const bool pixel_missed = std::isinf(found.range_m[k]);
-    unseen[r] = 0;
-    missed[r] = pixel_missed && beam_missed;
-    hit[r] = !pixel_missed && !beam_missed;
-    if (hit[r] > 0) off_m[r] = float(range_m - found.range_m[k]);
+    const auto bit = uint8_t(1 << r);
+    unseen &= uint8_t(~bit);
+    if (pixel_missed && beam_missed) missed |= bit;
+    if (pixel_missed || beam_missed) continue;
+    hit |= bit;
+    off_m[r] = float(range_m - found.range_m[k]);
   }
 }
 
