@@ -35,8 +35,9 @@ KeyframeCache::KeyframeCache(const elements::Model& model)
 }
 
 size_t KeyframeCache::distance_bin(const Near& near) {
-  const auto& limits = Keyframes::kDistances;
-  return size_t(std::lower_bound(limits.begin(), limits.end(), near.distance_m) - limits.begin());
+  size_t bin = 0;  // A search would take more branches.
+  for (const double limit_m : Keyframes::kDistances) bin += limit_m < near.distance_m;
+  return bin;
 }
 
 uint64_t KeyframeCache::patch_of(const Vec3& point, const Near& near) const {

@@ -47,11 +47,26 @@ struct Expected {
   }
 };
 
-UNDERBRUSH_INLINE double sum_of(D x) {
-  double sum = 0;
-  for (size_t r = 0; r < kPixels; ++r) sum += x[r];
-  return sum;
-}
+/// Sums of floats in eight places. The halves are vectors of their own, because GCC 12 converts
+/// eight floats to doubles one by one for instruction sets before AVX-512.
+struct Doubles {
+  typedef double Half __attribute__((vector_size(32)));
+  Half low{}, high{};
+
+  UNDERBRUSH_INLINE void add(F x) {
+    low += __builtin_convertvector(__builtin_shufflevector(x, x, 0, 1, 2, 3), Half);
+    high += __builtin_convertvector(__builtin_shufflevector(x, x, 4, 5, 6, 7), Half);
+  }
+  UNDERBRUSH_INLINE double operator[](size_t r) const {
+    return r < kPixels / 2 ? low[r] : high[r - kPixels / 2];
+  }
+  /// The sum of all places, in their order.
+  UNDERBRUSH_INLINE double sum() const {
+    double sum = 0;
+    for (size_t r = 0; r < kPixels; ++r) sum += (*this)[r];
+    return sum;
+  }
+};
 
 /// The sum of eight numbers over each set of them, in their order. A set is a number with a bit for
 /// each of its members.
@@ -107,7 +122,7 @@ UNDERBRUSH_CLONES void expect(const WeightSample* samples, const uint32_t* which
     of_miss += scaled[c];
   }
   const SetSums unseen_sums(pixel), miss_sums(of_miss);
-  D pixels{}, scales[kScales]{}, squares[kScales]{};
+  Doubles pixels, scales[kScales], squares[kScales];
   LogSum likelihood;
   double elements = 0;
   for (size_t i = 0; i < n; ++i) {
@@ -123,7 +138,9 @@ UNDERBRUSH_CLONES void expect(const WeightSample* samples, const uint32_t* which
         part[c] = scaled[c] * only(s.hit, bell);
         sum += part[c];
       }
-      of_pixels = sum_of(__builtin_convertvector(sum, D));
+      Doubles sums;
+      sums.add(sum);
+      of_pixels = sums.sum();
     }
     const double of_elements = t.elements + unseen_sums[s.unseen];
     const double total = s.outlier + of_elements * s.elements + of_pixels;
@@ -133,20 +150,20 @@ UNDERBRUSH_CLONES void expect(const WeightSample* samples, const uint32_t* which
     elements += t.elements * s.elements / total;
     const auto one = float(1 / total);
     const F unseen = only(s.unseen, pixel);
-    pixels += __builtin_convertvector(one * (sum + unseen * float(s.elements)), D);
+    pixels.add(one * (sum + unseen * float(s.elements)));
     if (s.hit == 0) continue;
     for (size_t c = 0; c < kScales; ++c) {
       const F share = one * part[c];
-      scales[c] += __builtin_convertvector(share, D);
-      squares[c] += __builtin_convertvector(share * square, D);
+      scales[c].add(share);
+      squares[c].add(share * square);
     }
   }
   out.likelihood += likelihood.total();
   out.elements += elements;
   for (size_t r = 0; r < kPixels; ++r) out.pixel[r] += pixels[r];
   for (size_t c = 0; c < kScales; ++c) {
-    out.scale[c] += sum_of(scales[c]);
-    out.square_m2[c] += sum_of(squares[c]);
+    out.scale[c] += scales[c].sum();
+    out.square_m2[c] += squares[c].sum();
   }
 }
 

@@ -61,27 +61,29 @@ class Watched : public BeamSource {
   const SimulateProgress& progress_;
 };
 
-}  // namespace
-
-SensorBeams::SensorBeams(sensor::Sensor sensor, Trajectory world_from_sensor)
-    : path_(whole_path(sensor, std::move(world_from_sensor))),
-      source_(std::move(sensor), path_, path_.poses().front().time_s, path_.poses().back().time_s,
-              kSimulatedBeams) {}
-
-std::unique_ptr<perception::RigSource> rig_beams(const perception::Rig& rig,
-                                                 const Trajectory& world_from_vehicle) {
-  check_poses(world_from_vehicle);
-  require(world_from_vehicle.poses().size() >= 2, "a vehicle needs at least two poses");
-  return std::make_unique<perception::RigSource>(rig, world_from_vehicle, kSimulatedBeams);
+/// Reads the beams of a log from where it stands into memory.
+BeamLog all_of(BeamSource& log) {
+  BeamLog out, chunk;
+  while (log.next(chunk)) {
+    if (out.empty()) {
+      out = chunk.like();
+      out.reserve(log.size());
+    }
+    out.append(chunk, 0, chunk.size());
+  }
+  out.info = log.info();
+  return out;
 }
 
-Simulation::SensorOf sensor_of(const std::string& file, const BeamSource& log) {
-  return [file, &log](const char* what) { return named_sensor(file, log.info(), what); };
+/// Whether a log is short and of a sensor without a name. Such a log is read twice.
+bool is_short_and_unnamed(const BeamSource& log) {
+  constexpr size_t kShort = 1 << 18;
+  return log.size() <= kShort && log.info().sensor.empty() && log.info().sensor_file.empty();
 }
 
-SimulateCounts simulate_log(Simulation& simulation, BeamSource& beams,
-                            const std::function<void(BeamSource&)>& write,
-                            const SimulateProgress& progress) {
+SimulateCounts simulate_beams(Simulation& simulation, BeamSource& beams,
+                              const std::function<void(BeamSource&)>& write,
+                              const SimulateProgress& progress) {
   simulation.recognise(beams);
   const BeamRange range = range_in(beams.size(), simulation.options());
   BeamWindow part(beams, range.first, range.end);
@@ -112,20 +114,38 @@ SimulateCounts simulate_log(Simulation& simulation, BeamSource& beams,
   return out;
 }
 
+}  // namespace
+
+SensorBeams::SensorBeams(sensor::Sensor sensor, Trajectory world_from_sensor)
+    : path_(whole_path(sensor, std::move(world_from_sensor))),
+      source_(std::move(sensor), path_, path_.poses().front().time_s, path_.poses().back().time_s,
+              kSimulatedBeams) {}
+
+std::unique_ptr<perception::RigSource> rig_beams(const perception::Rig& rig,
+                                                 const Trajectory& world_from_vehicle) {
+  check_poses(world_from_vehicle);
+  require(world_from_vehicle.poses().size() >= 2, "a vehicle needs at least two poses");
+  return std::make_unique<perception::RigSource>(rig, world_from_vehicle, kSimulatedBeams);
+}
+
+Simulation::SensorOf sensor_of(const std::string& file, const BeamSource& log) {
+  return [file, &log](const char* what) { return named_sensor(file, log.info(), what); };
+}
+
+SimulateCounts simulate_log(Simulation& simulation, BeamSource& beams,
+                            const std::function<void(BeamSource&)>& write,
+                            const SimulateProgress& progress) {
+  if (!is_short_and_unnamed(beams)) return simulate_beams(simulation, beams, write, progress);
+  beams.rewind();
+  const BeamLog all = all_of(beams);
+  MemorySource source(all, 1 << 16);
+  return simulate_beams(simulation, source, write, progress);
+}
+
 BeamLog simulate_log(Simulation& simulation, BeamSource& beams, const SimulateProgress& progress,
                      SimulateCounts* counts) {
   BeamLog out;
-  const auto collect = [&](BeamSource& log) {
-    BeamLog chunk;
-    while (log.next(chunk)) {
-      if (out.empty()) {
-        out = chunk.like();
-        out.reserve(log.size());
-      }
-      out.append(chunk, 0, chunk.size());
-    }
-    out.info = log.info();
-  };
+  const auto collect = [&](BeamSource& log) { out = all_of(log); };
   const SimulateCounts done = simulate_log(simulation, beams, collect, progress);
   if (counts) *counts = done;
   return out;
