@@ -18,6 +18,8 @@ using elements::KeyframeWeights;
 
 constexpr size_t kPixels = KeyframeWeights::kPixels, kScales = KeyframeWeights::kScales;
 static_assert(kPixels == kLanes);
+/// The places of the pixels of the nearest keyframe, and of the next one.
+constexpr uint8_t kFirstFrame = 0x0f, kSecondFrame = 0xf0;
 /// Most accelerated rounds of an expectation and maximisation, and the largest change of a weight
 /// in a step at which they end.
 constexpr int kWeightRounds = 40;
@@ -53,8 +55,10 @@ struct Doubles {
   typedef double Half __attribute__((vector_size(32)));
   Half low{}, high{};
 
-  UNDERBRUSH_INLINE void add(F x) {
+  UNDERBRUSH_INLINE void add_low(F x) {
     low += __builtin_convertvector(__builtin_shufflevector(x, x, 0, 1, 2, 3), Half);
+  }
+  UNDERBRUSH_INLINE void add_high(F x) {
     high += __builtin_convertvector(__builtin_shufflevector(x, x, 4, 5, 6, 7), Half);
   }
   UNDERBRUSH_INLINE double operator[](size_t r) const {
@@ -67,6 +71,13 @@ struct Doubles {
     return sum;
   }
 };
+
+/// The sum of eight numbers in their order.
+UNDERBRUSH_INLINE double sum_of(F x) {
+  double sum = 0;
+  for (size_t r = 0; r < kPixels; ++r) sum += double(x[r]);
+  return sum;
+}
 
 /// The sum of eight numbers over each set of them, in their order. A set is a number with a bit for
 /// each of its members.
@@ -138,9 +149,7 @@ UNDERBRUSH_CLONES void expect(const WeightSample* samples, const uint32_t* which
         part[c] = scaled[c] * only(s.hit, bell);
         sum += part[c];
       }
-      Doubles sums;
-      sums.add(sum);
-      of_pixels = sums.sum();
+      of_pixels = sum_of(sum);
     }
     const double of_elements = t.elements + unseen_sums[s.unseen];
     const double total = s.outlier + of_elements * s.elements + of_pixels;
@@ -150,12 +159,20 @@ UNDERBRUSH_CLONES void expect(const WeightSample* samples, const uint32_t* which
     elements += t.elements * s.elements / total;
     const auto one = float(1 / total);
     const F unseen = only(s.unseen, pixel);
-    pixels.add(one * (sum + unseen * float(s.elements)));
+    const F shares = one * (sum + unseen * float(s.elements));
+    pixels.add_low(shares);
+    pixels.add_high(shares);
     if (s.hit == 0) continue;
     for (size_t c = 0; c < kScales; ++c) {
       const F share = one * part[c];
-      scales[c].add(share);
-      squares[c].add(share * square);
+      if (s.hit & kFirstFrame) {
+        scales[c].add_low(share);
+        squares[c].add_low(share * square);
+      }
+      if (s.hit & kSecondFrame) {
+        scales[c].add_high(share);
+        squares[c].add_high(share * square);
+      }
     }
   }
   out.likelihood += likelihood.total();
