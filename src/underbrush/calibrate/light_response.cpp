@@ -189,19 +189,14 @@ class Regression {
       const Gain::Between& at = place_of(places_[i]);
       const double predicted = double(reflectance_[s.element].mean) * response(i);
       const double others = predicted / values[i], r = ratio(s.intensity, predicted);
-      const auto add = [&](size_t knot, double weight) {
+      for (const auto& [knot, weight] :
+           {std::pair{at.first, 1 - at.weight}, std::pair{at.second, at.weight}}) {
         seen[knot] += others * weight * g.gain[knot] * r;
         expected[knot] += others * weight;
-      };
-      add(at.first, 1 - at.weight);
-      add(at.second, at.weight);
+      }
     }
     for (size_t k = 0; k < g.gain.size(); ++k) g.gain[k] = std::max(seen[k] / expected[k], 1e-6);
-    scale_to_mean_one(g, values, is_of, place_of);
-  }
-
-  template <class IsOf, class PlaceOf>
-  void scale_to_mean_one(Gain& g, std::vector<double>& values, IsOf is_of, PlaceOf place_of) {
+    // The mean over the samples becomes one.
     double sum = 0, n = 0;
     for (size_t i = 0; i < samples_.size(); ++i) {
       if (!is_of(samples_[i])) continue;

@@ -179,10 +179,7 @@ void PlySink::write(const BeamLog& chunk) {
   check(chunk);
   for (size_t first = 0; first < chunk.size(); first += kWrittenRows) {
     const size_t n = std::min(kWrittenRows, chunk.size() - first);
-    if (n > room) {
-      room = n;
-      buffer = std::make_unique_for_overwrite<char[]>(n * row_size);
-    }
+    if (n > room) buffer = std::make_unique_for_overwrite<char[]>((room = n) * row_size);
     parallel_for(n, kEncodedRows, [&](size_t from, size_t to) {
       encode(chunk, first + from, to - from, buffer.get() + from * row_size);
     });

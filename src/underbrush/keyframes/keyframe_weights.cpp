@@ -101,26 +101,9 @@ UNDERBRUSH_INLINE F only(uint8_t set, F x) {
   return (F)((I)x & ((kBits & int32_t(set)) != 0));
 }
 
-/// A sum of logarithms, of which products of many numbers are taken.
-class LogSum {
- public:
-  UNDERBRUSH_INLINE void add(double x) {
-    product_ *= x;
-    if (product_ < kLeast || product_ > 1 / kLeast) take();
-  }
-  double total() {
-    take();
-    return sum_;
-  }
-
- private:
-  static constexpr double kLeast = 1e-100;
-  void take() { sum_ += std::log(std::exchange(product_, 1.0)); }
-  double sum_ = 0, product_ = 1;
-};
-
 /// Adds the shares of `n` samples, each in all places of `KeyframeWeights::pixel` at once. The sum
-/// of ln f is added only where `with_likelihood` asks for it.
+/// of ln f, for which products of many f are taken, is added only `with_likelihood`.
+// long: a loop whose sums stay in registers
 UNDERBRUSH_CLONES void expect(const WeightSample* samples, const uint32_t* which, size_t n,
                               const KeyframeWeights& t, bool with_likelihood, Expected& out) {
   F pixel, exponent[kScales], peak[kScales], scaled[kScales], of_miss{};
@@ -134,8 +117,7 @@ UNDERBRUSH_CLONES void expect(const WeightSample* samples, const uint32_t* which
   }
   const SetSums unseen_sums(pixel), miss_sums(of_miss);
   Doubles pixels, scales[kScales], squares[kScales];
-  LogSum likelihood;
-  double elements = 0;
+  double product = 1, elements = 0;
   for (size_t i = 0; i < n; ++i) {
     const WeightSample& s = samples[which[i]];
     // A beam that missed has no pixel in which both returned, and the other way round.
@@ -154,7 +136,8 @@ UNDERBRUSH_CLONES void expect(const WeightSample* samples, const uint32_t* which
     const double of_elements = t.elements + unseen_sums[s.unseen];
     const double total = s.outlier + of_elements * s.elements + of_pixels;
     if (!(total > 0)) continue;
-    if (with_likelihood) likelihood.add(total);
+    if (with_likelihood) product *= total;
+    if (product < 1e-100 || product > 1e100) out.likelihood += std::log(std::exchange(product, 1));
     // A pixel that a beam does not find has the density of the elements, with its own weight.
     elements += t.elements * s.elements / total;
     const auto one = float(1 / total);
@@ -175,7 +158,7 @@ UNDERBRUSH_CLONES void expect(const WeightSample* samples, const uint32_t* which
       }
     }
   }
-  out.likelihood += likelihood.total();
+  out.likelihood += std::log(product);
   out.elements += elements;
   for (size_t r = 0; r < kPixels; ++r) out.pixel[r] += pixels[r];
   for (size_t c = 0; c < kScales; ++c) {

@@ -10,8 +10,8 @@
 
 namespace underbrush::keyframes {
 
-/// The pixels found for a beam beside its outcome, and the likelihood of the elements. The array has
-/// a number for each place in `KeyframeWeights::pixel`, and the sets have a bit for each.
+/// The pixels found for a beam beside its outcome, and the likelihood of the elements. The array
+/// has a number for each place in `KeyframeWeights::pixel`, and the sets have a bit for each.
 struct WeightSample {
   static constexpr size_t kPixels = elements::KeyframeWeights::kPixels;
 

@@ -75,18 +75,39 @@ BeamLog all_of(BeamSource& log) {
   return out;
 }
 
-/// Whether a log is short and of a sensor without a name. Such a log is read twice.
-bool is_short_and_unnamed(const BeamSource& log) {
-  constexpr size_t kShort = 1 << 18;
-  return log.size() <= kShort && log.info().sensor.empty() && log.info().sensor_file.empty();
+}  // namespace
+
+SensorBeams::SensorBeams(sensor::Sensor sensor, Trajectory world_from_sensor)
+    : path_(whole_path(sensor, std::move(world_from_sensor))),
+      source_(std::move(sensor), path_, path_.poses().front().time_s, path_.poses().back().time_s,
+              kSimulatedBeams) {}
+
+std::unique_ptr<perception::RigSource> rig_beams(const perception::Rig& rig,
+                                                 const Trajectory& world_from_vehicle) {
+  check_poses(world_from_vehicle);
+  require(world_from_vehicle.poses().size() >= 2, "a vehicle needs at least two poses");
+  return std::make_unique<perception::RigSource>(rig, world_from_vehicle, kSimulatedBeams);
 }
 
-SimulateCounts simulate_beams(Simulation& simulation, BeamSource& beams,
-                              const std::function<void(BeamSource&)>& write,
-                              const SimulateProgress& progress) {
-  simulation.recognise(beams);
-  const BeamRange range = range_in(beams.size(), simulation.options());
-  BeamWindow part(beams, range.first, range.end);
+Simulation::SensorOf sensor_of(const std::string& file, const BeamSource& log) {
+  return [file, &log](const char* what) { return named_sensor(file, log.info(), what); };
+}
+
+SimulateCounts simulate_log(Simulation& simulation, BeamSource& beams,
+                            const std::function<void(BeamSource&)>& write,
+                            const SimulateProgress& progress) {
+  // The file of a sensor without a name is read twice. A short one is kept in memory for that.
+  constexpr size_t kShort = 1 << 18;
+  const bool is_named = !beams.info().sensor.empty() || !beams.info().sensor_file.empty();
+  const bool keeps = !is_named && beams.size() <= kShort && dynamic_cast<SeekableSource*>(&beams);
+  BeamLog kept;
+  MemorySource memory(kept, 1 << 16);
+  BeamSource& source = keeps ? memory : beams;
+  beams.rewind();
+  if (keeps) kept = all_of(beams);
+  simulation.recognise(source);
+  const BeamRange range = range_in(source.size(), simulation.options());
+  BeamWindow part(source, range.first, range.end);
   metrics::Bounds sensor;
   simulate::SimulatedSource simulated(
       [&](size_t first_beam, BeamLog& chunk) {
@@ -112,34 +133,6 @@ SimulateCounts simulate_beams(Simulation& simulation, BeamSource& beams,
     if (!elsewhere.empty()) out.warnings.push_back(std::move(elsewhere));
   }
   return out;
-}
-
-}  // namespace
-
-SensorBeams::SensorBeams(sensor::Sensor sensor, Trajectory world_from_sensor)
-    : path_(whole_path(sensor, std::move(world_from_sensor))),
-      source_(std::move(sensor), path_, path_.poses().front().time_s, path_.poses().back().time_s,
-              kSimulatedBeams) {}
-
-std::unique_ptr<perception::RigSource> rig_beams(const perception::Rig& rig,
-                                                 const Trajectory& world_from_vehicle) {
-  check_poses(world_from_vehicle);
-  require(world_from_vehicle.poses().size() >= 2, "a vehicle needs at least two poses");
-  return std::make_unique<perception::RigSource>(rig, world_from_vehicle, kSimulatedBeams);
-}
-
-Simulation::SensorOf sensor_of(const std::string& file, const BeamSource& log) {
-  return [file, &log](const char* what) { return named_sensor(file, log.info(), what); };
-}
-
-SimulateCounts simulate_log(Simulation& simulation, BeamSource& beams,
-                            const std::function<void(BeamSource&)>& write,
-                            const SimulateProgress& progress) {
-  if (!is_short_and_unnamed(beams)) return simulate_beams(simulation, beams, write, progress);
-  beams.rewind();
-  const BeamLog all = all_of(beams);
-  MemorySource source(all, 1 << 16);
-  return simulate_beams(simulation, source, write, progress);
 }
 
 BeamLog simulate_log(Simulation& simulation, BeamSource& beams, const SimulateProgress& progress,

@@ -216,11 +216,14 @@ void CrossedCells::find_layers(const elements::ObservedSpace& space) {
     if (&column == last) continue;
     last = &column;
     for (int way = 0; way < 4; ++way) {
-      const int32_t x = kSide * b.at.x, y = kSide * b.at.y, next_x = x + ((way & 1) ? -kSide : kSide),
+      const int32_t x = kSide * b.at.x, y = kSide * b.at.y,
+                    next_x = x + ((way & 1) ? -kSide : kSide),
                     next_y = y + ((way & 2) ? -kSide : kSide);
-      const std::array<const uint8_t*, 4> of{
-          &crossed[column_of(x, y) * bytes], &crossed[column_of(next_x, y) * bytes],
-          &crossed[column_of(x, next_y) * bytes], &crossed[column_of(next_x, next_y) * bytes]};
+      const auto layers_at = [&](int32_t i, int32_t j) {
+        return &crossed[column_of(i, j) * bytes];
+      };
+      const std::array<const uint8_t*, 4> of{layers_at(x, y), layers_at(next_x, y),
+                                             layers_at(x, next_y), layers_at(next_x, next_y)};
       const auto all = [&](int32_t k) { return of[0][k] & of[1][k] & of[2][k] & of[3][k]; };
       Layers run;
       Layers& best = column.crossed[size_t(way)];

@@ -51,8 +51,8 @@ class CrossedCells {
     int32_t first = 0, last = -1;
   };
   /// Layers above each cell of a column of blocks; x fastest.
-  using ColumnLayers = std::array<Layers, size_t(elements::ObservedBlock::kSide) *
-                                              elements::ObservedBlock::kSide>;
+  using ColumnLayers =
+      std::array<Layers, size_t(elements::ObservedBlock::kSide) * elements::ObservedBlock::kSide>;
   /// The layers in which there may be matter, for the column of blocks that begins with the cell
   /// (x, y).
   using MatterAbove = std::function<ColumnLayers(int32_t, int32_t)>;

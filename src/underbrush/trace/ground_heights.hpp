@@ -41,12 +41,8 @@ class GroundHeights {
   struct Interval {
     int32_t first, last, begin, end;
   };
-  Interval along_x(double x, double length_m) const {
-    return interval(x, length_m, low_.x, nx_);
-  }
-  Interval along_y(double y, double length_m) const {
-    return interval(y, length_m, low_.y, ny_);
-  }
+  Interval along_x(double x, double length_m) const { return interval(x, length_m, low_.x, nx_); }
+  Interval along_y(double y, double length_m) const { return interval(y, length_m, low_.y, ny_); }
   /// Bounds of the heights in a rectangle.
   std::array<double, 2> bounds(const Interval& x, const Interval& y) const;
   /// Whether the mesh has ground in all squares of a rectangle.
