@@ -119,6 +119,8 @@ def prepare(program, work, gates):
         steps += ["demo --only site -o {work}/site",
                   "split {work}/site/train.ply --time 0 3 --train {work}/site/first.ply --test {work}/site/rest.ply",
                   "split {work}/site/test.ply --time 0 3 --train {work}/site/held_out.ply --test {work}/site/last.ply"]
+    if "{work}/site/simulated" in commands:
+        steps.append("simulate {work}/site/likelihood --like {work}/site/last.ply -o {work}/site/simulated.ply")
     if "{work}/forest.json" in commands:
         steps += ["segment {work}/real/train.ply -o {work}/labelled.ply",
                   "extract {work}/real/likelihood {work}/labelled.ply -o {work}/primitives",

@@ -61,7 +61,9 @@ TEST(LearnGrain, FindsTheGrainAndTheNoiseOfTheWorldThatTheLogIsOf) {
     MemorySource source(log);
     elements::Model learnt = hedge_and_wall();
     learnt.range_noise_m = 0.02;
+    learnt.light.max_intensity = 200;
     const GrainReport report = learn_grain(learnt, source, 1);
+    EXPECT_EQ(learnt.light.max_intensity, 200);
     EXPECT_TRUE(report.ellipsoids);
     EXPECT_TRUE(report.meshes);
     EXPECT_NEAR(std::log(learnt.grain.ellipsoid_m / ellipsoid_m), 0, std::log(1.5));

@@ -41,7 +41,11 @@ TEST(CrossedCells, ALineThatSurelyLiesInThemHasNoOtherCell) {
     return CrossedCells::Layers{-6 + (x & 3), 5 + (y & 3)};
   };
   const ObservedSpace space = space_with_holes(40, 5e-4);  // more than one square
-  const CrossedCells crossed(space, matter);
+  const CrossedCells crossed(space, [&](int32_t x, int32_t y) {
+    CrossedCells::ColumnLayers out;
+    for (int32_t k = 0; k < 64; ++k) out[size_t(k)] = matter(x + k % 8, y + k / 8);
+    return out;
+  });
   Stream random(54);
   size_t sure = 0, all = 0;
   for (int k = 0; k < 200000; ++k) {

@@ -254,6 +254,35 @@ TEST(UnknownSpace, ALimitWithinAStepShortensThatStepAlone) {
   }
 }
 
+TEST(GroundHeights, OfARectangleHoldThoseOfItsPlaces) {
+  elements::TriangleMesh mesh;
+  Stream random(56);
+  for (int k = 0; k < 200; ++k) {
+    mesh.vertices.emplace_back(float(random.uniform(-60, 60)), float(random.uniform(-60, 60)),
+                               float(random.normal()));
+  }
+  const GroundHeights heights(mesh, {});
+  int known = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const double x = random.uniform(-200, 200) / 4, y = random.uniform(-200, 200) / 4;
+    const double length = random.uniform(0.1, 12), width = random.uniform(0.1, 12);
+    const auto along_x = heights.along_x(x, length), along_y = heights.along_y(y, width);
+    const auto [low, high] = heights.bounds(along_x, along_y);
+    bool all_known = true;
+    for (int i = 0; i <= 40; ++i) {
+      for (int j = 0; j <= 40; ++j) {
+        const double at_x = x + length * i / 40, at_y = y + width * j / 40;
+        ASSERT_GE(heights.at(at_x, at_y), low - 1e-6);
+        ASSERT_LE(heights.at(at_x, at_y), high + 1e-6);
+        all_known = all_known && heights.is_known(at_x, at_y);
+      }
+    }
+    ASSERT_TRUE(all_known || !heights.is_known(along_x, along_y)) << k;
+    known += heights.is_known(along_x, along_y);
+  }
+  EXPECT_GT(known, 20);
+}
+
 TEST(UnknownSpace, GroundThatLosesBeamsGoesOnLosingThem) {
   ObservedSpace space = space_of(0, 0);
   for (const double h : {-0.25, -0.75, 0.25}) {

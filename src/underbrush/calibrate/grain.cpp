@@ -141,9 +141,11 @@ GrainReport grain_of_elements(elements::Model& model, BeamSource& log, uint64_t 
 GrainReport learn_grain(elements::Model& model, BeamSource& log, uint64_t seed) {
   const auto keyframes = std::exchange(model.keyframes, nullptr);
   const auto observed = std::exchange(model.observed, nullptr);
+  elements::Light light = std::exchange(model.light, {});  // The intensities do not count.
   GrainReport report = grain_of_elements(model, log, seed);
   model.keyframes = keyframes;
   model.observed = observed;
+  model.light = std::move(light);
   return report;
 }
 

@@ -97,7 +97,12 @@ std::vector<double> range_knots() {
 class Regression {
  public:
   Regression(std::span<const LightSample> samples, std::span<const uint32_t> group, size_t groups)
-      : samples_(samples), group_(group), groups_(groups), places_(samples.size()) {
+      : samples_(samples),
+        group_(group),
+        groups_(groups),
+        places_(samples.size()),
+        of_range_(samples.size()),
+        of_cosine_(samples.size()) {
     light_.range = flat(range_knots());
     for (Gain& g : light_.incidence) g = flat({0, 0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 1});
     size_t rings = 0;
@@ -107,6 +112,8 @@ class Regression {
       rings = std::max(rings, size_t(s.ring) + 1);
       sum += s.intensity;
       places_[i] = {light_.range.between(s.range_m), light_.incidence[0].between(s.cosine)};
+      of_range_[i] = value(light_.range, places_[i].range);
+      of_cosine_[i] = value(light_.incidence[s.is_ellipsoid], places_[i].cosine);
     }
     if (rings > 1 && rings <= kMostRings) light_.ring.assign(rings, 1.0);
     prior_ = kPriorReturns * sum / double(std::max<size_t>(1, samples.size()));
@@ -117,13 +124,13 @@ class Regression {
       const std::vector<double> before = gains();
       update_elements(round < kPooledRounds);
       update(
-          light_.range, [](const LightSample&) { return true; },
-          [](const Places& p) { return p.range; });
+          light_.range, of_range_, [](const LightSample&) { return true; },
+          [](const Places& p) -> const Gain::Between& { return p.range; });
       for (const bool ellipsoid : {false, true}) {
         update(
-            light_.incidence[ellipsoid],
+            light_.incidence[ellipsoid], of_cosine_,
             [&](const LightSample& s) { return s.is_ellipsoid == ellipsoid; },
-            [](const Places& p) { return p.cosine; });
+            [](const Places& p) -> const Gain::Between& { return p.cosine; });
       }
       update_rings();
       if (round >= kPooledRounds && largest_change(before, gains()) < kSettledGain) break;
@@ -158,8 +165,7 @@ class Regression {
   double response(size_t i) const {
     const LightSample& s = samples_[i];
     const double h = light_.ring.empty() ? 1 : light_.ring[s.ring];
-    return value(light_.range, places_[i].range) *
-           value(light_.incidence[s.is_ellipsoid], places_[i].cosine) * h;
+    return of_range_[i] * of_cosine_[i] * h;
   }
   static double ratio(double intensity, double predicted) {
     return predicted > 0 ? std::min(intensity / predicted, kMostRatio) : 1;
@@ -173,15 +179,16 @@ class Regression {
     reflectance_ = reflectances(sums, group_, groups_, pooled);
   }
 
+  /// Updates a gain, which has `values` at the places of the samples.
   template <class IsOf, class PlaceOf>
-  void update(Gain& g, IsOf is_of, PlaceOf place_of) {
+  void update(Gain& g, std::vector<double>& values, IsOf is_of, PlaceOf place_of) {
     std::vector<double> seen(g.gain.size(), prior_), expected(g.gain.size(), prior_);
     for (size_t i = 0; i < samples_.size(); ++i) {
       const LightSample& s = samples_[i];
       if (!is_of(s)) continue;
-      const Gain::Between at = place_of(places_[i]);
+      const Gain::Between& at = place_of(places_[i]);
       const double predicted = double(reflectance_[s.element].mean) * response(i);
-      const double others = predicted / value(g, at), r = ratio(s.intensity, predicted);
+      const double others = predicted / values[i], r = ratio(s.intensity, predicted);
       for (const auto& [knot, weight] :
            {std::pair{at.first, 1 - at.weight}, std::pair{at.second, at.weight}}) {
         seen[knot] += others * weight * g.gain[knot] * r;
@@ -189,19 +196,17 @@ class Regression {
       }
     }
     for (size_t k = 0; k < g.gain.size(); ++k) g.gain[k] = std::max(seen[k] / expected[k], 1e-6);
-    scale_to_mean_one(g, is_of, place_of);
-  }
-
-  template <class IsOf, class PlaceOf>
-  void scale_to_mean_one(Gain& g, IsOf is_of, PlaceOf place_of) {
+    // The mean over the samples becomes one.
     double sum = 0, n = 0;
     for (size_t i = 0; i < samples_.size(); ++i) {
       if (!is_of(samples_[i])) continue;
       sum += value(g, place_of(places_[i]));
       n += 1;
     }
-    if (n > 0) {
-      for (double& x : g.gain) x /= sum / n;
+    if (n == 0) return;
+    for (double& x : g.gain) x /= sum / n;
+    for (size_t i = 0; i < samples_.size(); ++i) {
+      if (is_of(samples_[i])) values[i] = value(g, place_of(places_[i]));
     }
   }
 
@@ -241,7 +246,8 @@ class Regression {
   std::span<const LightSample> samples_;
   std::span<const uint32_t> group_;
   size_t groups_;
-  std::vector<Places> places_;  // of the samples between knots
+  std::vector<Places> places_;                // of the samples between knots
+  std::vector<double> of_range_, of_cosine_;  // gains of the samples
   Light light_;
   std::vector<Reflectance> reflectance_;
   double prior_ = 0;

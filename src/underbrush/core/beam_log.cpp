@@ -31,13 +31,10 @@ uint32_t whole_number(const ExtraColumn& column, size_t i) {
 }
 
 void BeamLog::resize(size_t n) {
-  const size_t old = size();
+  origin.resize(n, Vec3::Zero());
+  direction.resize(n, Vec3f::UnitX());
+  range_m.resize(n, kMiss);
   for_columns(*this, [n](auto& column) { column.resize(n); });
-  for (size_t i = old; i < n; ++i) {
-    origin[i].setZero();
-    direction[i] = Vec3f::UnitX();
-    range_m[i] = kMiss;
-  }
 }
 
 void BeamLog::reserve(size_t n) {

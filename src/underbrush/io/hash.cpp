@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <fstream>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "underbrush/core/file.hpp"
@@ -15,10 +16,9 @@ namespace fs = std::filesystem;
 namespace {
 
 // A pipe or a device has no end; the reader of the input refuses it.
-void hash_into(XXH3_state_t& state, const fs::path& file) {
+void hash_into(XXH3_state_t& state, const fs::path& file, std::span<char> buffer) {
   if (!is_file(file)) return;
   std::ifstream in(file, std::ios::binary);
-  std::vector<char> buffer(1 << 20);
   while (in.read(buffer.data(), std::streamsize(buffer.size())) || in.gcount() > 0) {
     XXH3_128bits_update(&state, buffer.data(), size_t(in.gcount()));
   }
@@ -48,10 +48,12 @@ std::string hash_of_all(const std::vector<fs::path>& paths) {
   const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(),
                                                                               XXH3_freeState);
   XXH3_128bits_reset(state.get());
+  constexpr size_t kBytes = 1 << 20;
+  const auto buffer = std::make_unique_for_overwrite<char[]>(kBytes);
   for (const fs::path& path : paths) {
     std::vector<fs::path> files = files_of(path);
     std::sort(files.begin(), files.end());
-    for (const fs::path& file : files) hash_into(*state, file);
+    for (const fs::path& file : files) hash_into(*state, file, {buffer.get(), kBytes});
   }
   const XXH128_hash_t h = XXH3_128bits_digest(state.get());
   char text[40];

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <string_view>
 
 #include "underbrush/core/check.hpp"
@@ -209,9 +210,10 @@ const PlyElement& element_of(const std::filesystem::path& file, const PlyData& d
 PlyData read_ply(const std::filesystem::path& path) {
   const InputFile file(path);
   PlyHeader header = read_ply_header(file);
-  std::string bytes(size_t(file.size() - header.body), '\0');
-  file.read(header.body, bytes.data(), bytes.size());
-  Body body(file.name(), bytes, header.format);
+  const auto size = size_t(file.size() - header.body);
+  const auto bytes = std::make_unique_for_overwrite<char[]>(size);
+  file.read(header.body, bytes.get(), size);
+  Body body(file.name(), {bytes.get(), size}, header.format);
   PlyData data;
   data.comments = std::move(header.comments);
   for (const auto& element : header.elements) {

@@ -1,6 +1,7 @@
 /// \file
 /// The header of a PLY file, and its types of values.
 #pragma once
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <cstring>
@@ -40,7 +41,8 @@ template <class T>
 T load(const char* bytes, bool swap = false) {
   static_assert(std::endian::native == std::endian::little);
   char raw[sizeof(T)];
-  for (size_t i = 0; i < sizeof(T); ++i) raw[i] = bytes[swap ? sizeof(T) - 1 - i : i];
+  std::memcpy(raw, bytes, sizeof(T));
+  if (swap) std::reverse(raw, raw + sizeof(T));
   T value;
   std::memcpy(&value, raw, sizeof(T));
   return value;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <numeric>
 #include <optional>
 
@@ -233,9 +234,10 @@ void PlyRows::read(size_t begin, BeamLog& out, std::vector<uint8_t>& fault) cons
   if (!packet_) std::fill(out.packet.begin(), out.packet.end(), 0);
   if (!flags_) std::fill(out.flags.begin(), out.flags.end(), 0);
   parallel_for(out.size(), kDecodedRows, [&](size_t first, size_t last) {
-    std::vector<char> bytes((last - first) * row_size_);
-    input_.read(header_.body + uint64_t(begin + first) * row_size_, bytes.data(), bytes.size());
-    decode(bytes.data(), first, last - first, out, fault.data());
+    const size_t size = (last - first) * row_size_;
+    const auto bytes = std::make_unique_for_overwrite<char[]>(size);
+    input_.read(header_.body + uint64_t(begin + first) * row_size_, bytes.get(), size);
+    decode(bytes.get(), first, last - first, out, fault.data());
   });
 }
 

@@ -58,7 +58,8 @@ class PlySink : public LogSink {
   std::vector<Extra> extra;
   size_t row_size = 0, rows = 0, header_size = 0;
   float alpha_scale = 1;
-  std::vector<char> buffer;
+  std::unique_ptr<char[]> buffer;
+  size_t room = 0;  // rows that fit into the buffer
 };
 
 std::string PlySink::header() const {
@@ -178,11 +179,11 @@ void PlySink::write(const BeamLog& chunk) {
   check(chunk);
   for (size_t first = 0; first < chunk.size(); first += kWrittenRows) {
     const size_t n = std::min(kWrittenRows, chunk.size() - first);
-    buffer.resize(n * row_size);
+    if (n > room) buffer = std::make_unique_for_overwrite<char[]>((room = n) * row_size);
     parallel_for(n, kEncodedRows, [&](size_t from, size_t to) {
-      encode(chunk, first + from, to - from, buffer.data() + from * row_size);
+      encode(chunk, first + from, to - from, buffer.get() + from * row_size);
     });
-    out.append(buffer.data(), buffer.size());
+    out.append(buffer.get(), n * row_size);
   }
   rows += chunk.size();
 }

@@ -35,8 +35,9 @@ KeyframeCache::KeyframeCache(const elements::Model& model)
 }
 
 size_t KeyframeCache::distance_bin(const Near& near) {
-  const auto& limits = Keyframes::kDistances;
-  return size_t(std::lower_bound(limits.begin(), limits.end(), near.distance_m) - limits.begin());
+  size_t bin = 0;  // A search would take more branches.
+  for (const double limit_m : Keyframes::kDistances) bin += limit_m < near.distance_m;
+  return bin;
 }
 
 uint64_t KeyframeCache::patch_of(const Vec3& point, const Near& near) const {
@@ -56,7 +57,7 @@ bool KeyframeCache::serves(const elements::Model& model, const LogInfo& beams) {
 bool KeyframeCache::serves(const elements::Model& model, BeamSource& log) {
   if (!serves(model, log.info())) return false;
   if (!model.sensor.empty() || !model.sensor_file.empty()) return true;
-  const ScanPattern pattern = scan_pattern(log);
+  const ScanPattern pattern = scan_pattern(log, model.keyframes->channel.empty());
   log.rewind();
   return is_of_sensor(model, log.info(), pattern);
 }
@@ -155,9 +156,11 @@ void KeyframeCache::look_up_in(std::span<const Query> beams, std::span<const uin
 std::vector<KeyframeCache::Query> KeyframeCache::queries(std::span<const Ray> rays,
                                                          std::span<const uint16_t> rings) const {
   std::vector<Vec3> origins;
+  origins.reserve(rays.size());
   for (const Ray& ray : rays) origins.push_back(ray.origin);
   const std::vector<uint32_t> among = nearest_candidates(origins);
   std::vector<Query> out;
+  out.reserve(rays.size());
   std::vector<bool> knows(size_t(1) << 16, keyframes_->channel.empty());
   for (const uint16_t ring : keyframes_->channel) knows[ring] = true;
   Near nearest;
@@ -169,8 +172,10 @@ std::vector<KeyframeCache::Query> KeyframeCache::queries(std::span<const Ray> ra
 }
 
 std::vector<CachedPixels> KeyframeCache::look_up(std::span<const Query> beams) const {
-  std::vector<CachedPixels> out(beams.size());
+  // Copies of a value are made faster than values that the vector sets to zero first.
+  std::vector<CachedPixels> out(beams.size(), CachedPixels{});
   std::vector<uint32_t> ready;
+  ready.reserve(beams.size());
   for (uint32_t i = 0; i < beams.size(); ++i) {
     if (distance_bin(beams[i].near) < Keyframes::kDistances.size()) ready.push_back(i);
   }

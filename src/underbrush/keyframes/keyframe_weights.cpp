@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -17,6 +18,8 @@ using elements::KeyframeWeights;
 
 constexpr size_t kPixels = KeyframeWeights::kPixels, kScales = KeyframeWeights::kScales;
 static_assert(kPixels == kLanes);
+/// The places of the pixels of the nearest keyframe, and of the next one.
+constexpr uint8_t kFirstFrame = 0x0f, kSecondFrame = 0xf0;
 /// Most accelerated rounds of an expectation and maximisation, and the largest change of a weight
 /// in a step at which they end.
 constexpr int kWeightRounds = 40;
@@ -46,53 +49,121 @@ struct Expected {
   }
 };
 
-UNDERBRUSH_INLINE double sum_of(D x) {
+/// Sums of floats in eight places. The halves are vectors of their own, because GCC 12 converts
+/// eight floats to doubles one by one for instruction sets before AVX-512.
+struct Doubles {
+  typedef double Half __attribute__((vector_size(32)));
+  Half low{}, high{};
+
+  UNDERBRUSH_INLINE void add_low(F x) {
+    low += __builtin_convertvector(__builtin_shufflevector(x, x, 0, 1, 2, 3), Half);
+  }
+  UNDERBRUSH_INLINE void add_high(F x) {
+    high += __builtin_convertvector(__builtin_shufflevector(x, x, 4, 5, 6, 7), Half);
+  }
+  UNDERBRUSH_INLINE double operator[](size_t r) const {
+    return r < kPixels / 2 ? low[r] : high[r - kPixels / 2];
+  }
+  /// The sum of all places, in their order.
+  UNDERBRUSH_INLINE double sum() const {
+    double sum = 0;
+    for (size_t r = 0; r < kPixels; ++r) sum += (*this)[r];
+    return sum;
+  }
+};
+
+/// The sum of eight numbers in their order.
+UNDERBRUSH_INLINE double sum_of(F x) {
   double sum = 0;
-  for (size_t r = 0; r < kPixels; ++r) sum += x[r];
+  for (size_t r = 0; r < kPixels; ++r) sum += double(x[r]);
   return sum;
 }
 
-/// Adds the shares of `n` samples, each in all places of `KeyframeWeights::pixel` at once.
+/// The sum of eight numbers over each set of them, in their order. A set is a number with a bit for
+/// each of its members.
+class SetSums {
+ public:
+  explicit SetSums(const F& x) {
+    for (size_t set = 1; set < sum_.size(); ++set) {
+      const size_t last = size_t(std::bit_width(set)) - 1;
+      sum_[set] = sum_[set ^ size_t(1) << last] + double(x[last]);
+    }
+  }
+  double operator[](uint8_t set) const { return sum_[set]; }
+
+ private:
+  std::array<double, 1 << kPixels> sum_{};
+};
+
+/// The numbers of a set, and 0 for all others.
+UNDERBRUSH_INLINE F only(uint8_t set, F x) {
+  constexpr I kBits{1, 2, 4, 8, 16, 32, 64, 128};
+  return (F)((I)x & ((kBits & int32_t(set)) != 0));
+}
+
+/// Adds the shares of `n` samples, each in all places of `KeyframeWeights::pixel` at once. The sum
+/// of ln f, for which products of many f are taken, is added only `with_likelihood`.
+// long: a loop whose sums stay in registers
 UNDERBRUSH_CLONES void expect(const WeightSample* samples, const uint32_t* which, size_t n,
-                              const KeyframeWeights& t, Expected& out) {
-  F pixel, exponent[kScales], peak[kScales];
+                              const KeyframeWeights& t, bool with_likelihood, Expected& out) {
+  F pixel, exponent[kScales], peak[kScales], scaled[kScales], of_miss{};
   for (size_t r = 0; r < kPixels; ++r) pixel[r] = float(t.pixel[r]);
   for (size_t c = 0; c < kScales; ++c) {
     const auto sigma = float(t.sigma_m[c]);
     exponent[c] = all(-0.5f / (sigma * sigma));
     peak[c] = all(1 / (float(std::sqrt(2 * M_PI)) * sigma));
+    scaled[c] = pixel * float(t.scale[c]);
+    of_miss += scaled[c];
   }
-  D pixels{}, scales[kScales]{}, squares[kScales]{};
+  const SetSums unseen_sums(pixel), miss_sums(of_miss);
+  Doubles pixels, scales[kScales], squares[kScales];
+  double product = 1, elements = 0;
   for (size_t i = 0; i < n; ++i) {
     const WeightSample& s = samples[which[i]];
-    const F hit = load(s.hit.data()), missed = load(s.missed.data());
+    // A beam that missed has no pixel in which both returned, and the other way round.
     const F off = load(s.off_m.data()), square = off * off;
-    const F unseen = pixel * load(s.unseen.data());
-    F part[kScales], sum{};
-    for (size_t c = 0; c < kScales; ++c) {
-      const F bell = peak[c] * exp_below_zero(exponent[c] * square);
-      part[c] = pixel * float(t.scale[c]) * (missed + hit * bell);
-      sum += part[c];
+    F part[kScales], sum = only(s.missed, of_miss);
+    double of_pixels = miss_sums[s.missed];
+    if (s.hit != 0) {
+      sum = F{};
+      for (size_t c = 0; c < kScales; ++c) {
+        const F bell = peak[c] * exp_below_zero(exponent[c] * square);
+        part[c] = scaled[c] * only(s.hit, bell);
+        sum += part[c];
+      }
+      of_pixels = sum_of(sum);
     }
-    const double of_elements = t.elements + sum_of(__builtin_convertvector(unseen, D));
-    const double total =
-        s.outlier + of_elements * s.elements + sum_of(__builtin_convertvector(sum, D));
+    const double of_elements = t.elements + unseen_sums[s.unseen];
+    const double total = s.outlier + of_elements * s.elements + of_pixels;
     if (!(total > 0)) continue;
-    out.likelihood += std::log(total);
+    if (with_likelihood) product *= total;
+    if (product < 1e-100 || product > 1e100) out.likelihood += std::log(std::exchange(product, 1));
     // A pixel that a beam does not find has the density of the elements, with its own weight.
-    out.elements += t.elements * s.elements / total;
+    elements += t.elements * s.elements / total;
     const auto one = float(1 / total);
-    pixels += __builtin_convertvector(one * (sum + unseen * float(s.elements)), D);
+    const F unseen = only(s.unseen, pixel);
+    const F shares = one * (sum + unseen * float(s.elements));
+    pixels.add_low(shares);
+    pixels.add_high(shares);
+    if (s.hit == 0) continue;
     for (size_t c = 0; c < kScales; ++c) {
-      const F share = one * part[c] * hit;
-      scales[c] += __builtin_convertvector(share, D);
-      squares[c] += __builtin_convertvector(share * square, D);
+      const F share = one * part[c];
+      if (s.hit & kFirstFrame) {
+        scales[c].add_low(share);
+        squares[c].add_low(share * square);
+      }
+      if (s.hit & kSecondFrame) {
+        scales[c].add_high(share);
+        squares[c].add_high(share * square);
+      }
     }
   }
+  out.likelihood += std::log(product);
+  out.elements += elements;
   for (size_t r = 0; r < kPixels; ++r) out.pixel[r] += pixels[r];
   for (size_t c = 0; c < kScales; ++c) {
-    out.scale[c] += sum_of(scales[c]);
-    out.square_m2[c] += sum_of(squares[c]);
+    out.scale[c] += scales[c].sum();
+    out.square_m2[c] += squares[c].sum();
   }
 }
 
@@ -164,16 +235,17 @@ class WeightStep {
              const KeyframeWeights& prior, double prior_beams)
       : samples_(samples), which_(which), prior_(prior), prior_beams_(prior_beams) {}
 
-  /// Returns the next weights; `likelihood` becomes that of `t`.
-  KeyframeWeights operator()(const KeyframeWeights& t, double& likelihood) const {
+  /// Returns the next weights; `likelihood`, if it is given, becomes that of `t`.
+  KeyframeWeights operator()(const KeyframeWeights& t, double* likelihood = nullptr) const {
     constexpr size_t kPiece = 4096;
     std::vector<Expected> pieces((which_.size() + kPiece - 1) / kPiece);
     parallel_for(which_.size(), kPiece, [&](size_t begin, size_t end) {
-      expect(samples_.data(), which_.data() + begin, end - begin, t, pieces[begin / kPiece]);
+      expect(samples_.data(), which_.data() + begin, end - begin, t, likelihood != nullptr,
+             pieces[begin / kPiece]);
     });
     Expected all;
     for (const Expected& piece : pieces) all.add(piece);
-    likelihood = all.likelihood;
+    if (likelihood) *likelihood = all.likelihood;
     return weights_of(all, prior_, prior_beams_);
   }
 
@@ -194,8 +266,8 @@ KeyframeWeights most_likely(const std::vector<WeightSample>& samples,
   const WeightStep step(samples, which, prior, prior_beams);
   KeyframeWeights t = prior;
   for (int round = 0; round < kWeightRounds; ++round) {
-    double before = 0, after = 0, extrapolated = 0;
-    const KeyframeWeights one = step(t, before), two = step(one, after);
+    double after = 0, extrapolated = 0;
+    const KeyframeWeights one = step(t), two = step(one, &after);
     const WeightVector v0 = vector_of(t), v1 = vector_of(one), v2 = vector_of(two);
     const WeightVector change = v1 - v0, bend = v2 - v1 - change;
     t = two;
@@ -204,7 +276,7 @@ KeyframeWeights most_likely(const std::vector<WeightSample>& samples,
     if (!(norm > 0)) break;
     const double length = std::max(1.0, change.matrix().norm() / norm);
     const KeyframeWeights far = weights_of(v0 + 2 * length * change + length * length * bend);
-    const KeyframeWeights next = step(far, extrapolated);
+    const KeyframeWeights next = step(far, &extrapolated);
     if (extrapolated >= after) t = next;
   }
   return t;
@@ -216,7 +288,7 @@ std::array<bool, kPixels> unseen_by(const std::vector<WeightSample>& samples,
                                     const std::vector<uint32_t>& which) {
   std::array<double, kPixels> seen{};
   for (const uint32_t i : which) {
-    for (size_t r = 0; r < kPixels; ++r) seen[r] += 1 - double(samples[i].unseen[r]);
+    for (size_t r = 0; r < kPixels; ++r) seen[r] += 1 - (samples[i].unseen >> r & 1);
   }
   std::array<bool, kPixels> out;
   for (size_t r = 0; r < kPixels; ++r) out[r] = seen[r] < kPriorBeams;
@@ -234,14 +306,15 @@ void leave_to_elements(const std::array<bool, kPixels>& unseen, KeyframeWeights&
 
 WeightSample::WeightSample(const CachedPixels& found, double range_m) : situation(found.situation) {
   const bool beam_missed = std::isinf(range_m);
-  unseen.fill(1);
   for (size_t k = 0; k < found.count; ++k) {
     const size_t r = found.rank[k];
     const bool pixel_missed = std::isinf(found.range_m[k]);
-    unseen[r] = 0;
-    missed[r] = pixel_missed && beam_missed;
-    hit[r] = !pixel_missed && !beam_missed;
-    if (hit[r] > 0) off_m[r] = float(range_m - found.range_m[k]);
+    const auto bit = uint8_t(1 << r);
+    unseen &= uint8_t(~bit);
+    if (pixel_missed && beam_missed) missed |= bit;
+    if (pixel_missed || beam_missed) continue;
+    hit |= bit;
+    off_m[r] = float(range_m - found.range_m[k]);
   }
 }
 

@@ -2,6 +2,7 @@
 /// The weights of keyframes, learnt from beams.
 #pragma once
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "underbrush/elements/keyframes.hpp"
@@ -9,15 +10,15 @@
 
 namespace underbrush::keyframes {
 
-/// The pixels found for a beam beside its outcome, and the likelihood of the elements. The arrays
-/// have a number for each place in `KeyframeWeights::pixel`.
+/// The pixels found for a beam beside its outcome, and the likelihood of the elements. The array
+/// has a number for each place in `KeyframeWeights::pixel`, and the sets have a bit for each.
 struct WeightSample {
   static constexpr size_t kPixels = elements::KeyframeWeights::kPixels;
 
-  std::array<float, kPixels> off_m{};   ///< Range minus the pixel's, m, where both returned.
-  std::array<float, kPixels> hit{};     ///< 1 where both returned.
-  std::array<float, kPixels> missed{};  ///< 1 where both did not.
-  std::array<float, kPixels> unseen;    ///< 1 where no pixel is found.
+  std::array<float, kPixels> off_m{};  ///< Range minus the pixel's, m, where both returned.
+  uint8_t hit = 0;                     ///< The places where both returned.
+  uint8_t missed = 0;                  ///< The places where both did not.
+  uint8_t unseen = 0xff;               ///< The places where no pixel is found.
   size_t situation = 0;
   double elements = 0;  ///< Density (1/m) or probability of the outcome.
   double outlier = 0;   ///< The part of the outliers in it.

@@ -98,8 +98,9 @@ double ChannelElevations::quantile(double share) const {
   return M_PI / 2;
 }
 
-ScanPattern scan_pattern(BeamSource& log) {
+ScanPattern scan_pattern(BeamSource& log, bool with_azimuths) {
   ScanPattern p;
+  std::vector<ChannelElevations*> channels;  // by ring
   for (const ScanInfo& info : log.info().scans) {
     p.scans[info.scan].sensor_from_world = info.world_from_sensor.rotation.conjugate();
   }
@@ -125,7 +126,11 @@ ScanPattern scan_pattern(BeamSource& log) {
       }
       if (mix64(++row) % one_in != 0) continue;
       const Vec3 d = scan.sensor_from_world * chunk.direction[i].cast<double>();
-      p.channels[chunk.ring[i]].add(elevation_of(d));
+      const uint16_t ring = chunk.ring[i];
+      if (ring >= channels.size()) channels.resize(ring + size_t(1));
+      if (!channels[ring]) channels[ring] = &p.channels[ring];
+      channels[ring]->add(elevation_of(d));
+      if (!with_azimuths) continue;
       const double turn = std::atan2(d.y(), d.x()) / (2 * M_PI);
       p.degrees.set(size_t((turn < 0 ? turn + 1 : turn) * 360) % 360);
     }

@@ -40,8 +40,9 @@ struct ScanPattern {
   double largest_intensity = 0, largest_range_m = 0;
 };
 
-/// Finds the pattern of a log, which is read once from its beginning.
-ScanPattern scan_pattern(BeamSource& log);
+/// Finds the pattern of a log, which is read once from its beginning. Its `degrees` are found only
+/// `with_azimuths`.
+ScanPattern scan_pattern(BeamSource& log, bool with_azimuths = true);
 
 /// Sets the rows and columns of an image of a scan of this pattern, which has scans. A row is a
 /// channel; where a log has none, rows and columns are as wide as its beams are apart.
@@ -55,7 +56,8 @@ void set_grid(const ScanPattern& pattern, elements::Keyframes& image);
 ///   elevation, or neither has channels, and the field of view of the keyframes, longer by a
 ///   quarter at both ends, holds that of the log, which may be a part of one.
 ///
-/// Channels that one of both lacks do not count, because logs are split by channels.
+/// Channels that one of both lacks do not count, because logs are split by channels. The azimuths
+/// of `pattern` are used only where the keyframes have no channels.
 bool is_of_sensor(const elements::Model& model, const LogInfo& log, const ScanPattern& pattern);
 
 }  // namespace underbrush::keyframes

@@ -61,6 +61,20 @@ class Watched : public BeamSource {
   const SimulateProgress& progress_;
 };
 
+/// Reads the beams of a log from where it stands into memory.
+BeamLog all_of(BeamSource& log) {
+  BeamLog out, chunk;
+  while (log.next(chunk)) {
+    if (out.empty()) {
+      out = chunk.like();
+      out.reserve(log.size());
+    }
+    out.append(chunk, 0, chunk.size());
+  }
+  out.info = log.info();
+  return out;
+}
+
 }  // namespace
 
 SensorBeams::SensorBeams(sensor::Sensor sensor, Trajectory world_from_sensor)
@@ -82,9 +96,18 @@ Simulation::SensorOf sensor_of(const std::string& file, const BeamSource& log) {
 SimulateCounts simulate_log(Simulation& simulation, BeamSource& beams,
                             const std::function<void(BeamSource&)>& write,
                             const SimulateProgress& progress) {
-  simulation.recognise(beams);
-  const BeamRange range = range_in(beams.size(), simulation.options());
-  BeamWindow part(beams, range.first, range.end);
+  // The file of a sensor without a name is read twice. A short one is kept in memory for that.
+  constexpr size_t kShort = 1 << 18;
+  const bool is_named = !beams.info().sensor.empty() || !beams.info().sensor_file.empty();
+  const bool keeps = !is_named && beams.size() <= kShort && dynamic_cast<SeekableSource*>(&beams);
+  BeamLog kept;
+  MemorySource memory(kept, 1 << 16);
+  BeamSource& source = keeps ? memory : beams;
+  beams.rewind();
+  if (keeps) kept = all_of(beams);
+  simulation.recognise(source);
+  const BeamRange range = range_in(source.size(), simulation.options());
+  BeamWindow part(source, range.first, range.end);
   metrics::Bounds sensor;
   simulate::SimulatedSource simulated(
       [&](size_t first_beam, BeamLog& chunk) {
@@ -115,17 +138,7 @@ SimulateCounts simulate_log(Simulation& simulation, BeamSource& beams,
 BeamLog simulate_log(Simulation& simulation, BeamSource& beams, const SimulateProgress& progress,
                      SimulateCounts* counts) {
   BeamLog out;
-  const auto collect = [&](BeamSource& log) {
-    BeamLog chunk;
-    while (log.next(chunk)) {
-      if (out.empty()) {
-        out = chunk.like();
-        out.reserve(log.size());
-      }
-      out.append(chunk, 0, chunk.size());
-    }
-    out.info = log.info();
-  };
+  const auto collect = [&](BeamSource& log) { out = all_of(log); };
   const SimulateCounts done = simulate_log(simulation, beams, collect, progress);
   if (counts) *counts = done;
   return out;

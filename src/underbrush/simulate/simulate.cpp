@@ -103,6 +103,8 @@ struct Shots {
       : rings(&beams.ring[begin], end - begin), time_s(&beams.time_s[begin], end - begin) {
     const Options& o = s.options;
     rays.reserve(end - begin);
+    keys.reserve(end - begin);
+    trials.reserve(end - begin);
     for (size_t i = begin; i < end; ++i) {
       keys.push_back(beam_key(o.seed, beams.scan[i], first_beam + i));
       trials.push_back(s.matter ? matter_at(*s.matter, beams.time_s[i], o.sway_s) : keys.back());

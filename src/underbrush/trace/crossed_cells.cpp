@@ -2,12 +2,49 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 
 #include "underbrush/core/clones.hpp"
 
 namespace underbrush::trace {
 
 using elements::ObservedBlock;
+
+namespace {
+
+constexpr size_t kSide = ObservedBlock::kSide;
+
+/// The bytes that are not 0 as bits, for eight bytes.
+uint32_t bits_of(const uint8_t* bytes) {
+  constexpr uint64_t kLow = 0x7f7f7f7f7f7f7f7f, kOnes = 0x0101010101010101;
+  uint64_t eight;
+  std::memcpy(&eight, bytes, sizeof eight);
+  eight = ((eight & kLow) + kLow) | eight;  // The highest bit of each byte is set.
+  return uint32_t(((eight >> 7 & kOnes) * 0x0102040810204080) >> 56);
+}
+
+/// Adds such bits of a layer of a block to its two words.
+void add_layer(const uint8_t* bytes, uint32_t* words) {
+  for (uint32_t row = 0; row < kSide; ++row) {
+    words[row / 4] |= bits_of(bytes + kSide * row) << 8 * (row % 4);
+  }
+}
+
+/// Adds the cells of a block that lie below the first or above the last layer with matter. The
+/// block begins with the layer z.
+UNDERBRUSH_CLONES
+void add_without_matter(const CrossedCells::ColumnLayers& with, int32_t z, uint32_t* words) {
+  for (size_t k = 0; k < kSide; ++k) {
+    const int32_t layer = z + int32_t(k);
+    std::array<uint8_t, kSide * kSide> without;
+    for (size_t c = 0; c < without.size(); ++c) {
+      without[c] = uint8_t((layer < with[c].first) | (layer > with[c].last));
+    }
+    add_layer(without.data(), words + 2 * k);
+  }
+}
+
+}  // namespace
 
 UNDERBRUSH_CLONES
 void cells_of_steps(const Vec3& start, const Vec3& direction, double from_m, double step_m,
@@ -112,8 +149,8 @@ CrossedCells::CrossedCells(const elements::ObservedSpace& space, const MatterAbo
     const size_t first = words_.size();
     blocks_[place(kSide * b.at.x, kSide * b.at.y, kSide * b.at.z)] = uint32_t(first / kWords);
     words_.resize(first + kWords);
-    for (size_t c = 0; c < ObservedBlock::kCells; ++c) {
-      words_[first + c / 32] |= uint32_t(b.beams[c] > 0) << c % 32;
+    for (size_t k = 0; k < size_t(kSide); ++k) {
+      add_layer(&b.beams[k * kSide * kSide], &words_[first + 2 * k]);
     }
   }
   if (matter) leave_out(space, matter);
@@ -121,20 +158,19 @@ CrossedCells::CrossedCells(const elements::ObservedSpace& space, const MatterAbo
 }
 
 void CrossedCells::leave_out(const elements::ObservedSpace& space, const MatterAbove& matter) {
-  std::array<Layers, size_t(kSide) * kSide> with;  // of the columns of cells of a column of blocks
-  Layers every;                                    // the layers with matter in all of them
+  ColumnLayers with;
+  Layers every;  // the layers with matter in all of them
   const Column* last = nullptr;
   for (const ObservedBlock& b : space.blocks) {
     const int32_t x = kSide * b.at.x, y = kSide * b.at.y, z = kSide * b.at.z;
     Column& column = columns_[column_of(x, y)];
     if (&column != last) {
+      with = matter(x, y);
       column.top = INT32_MIN;
       every = {INT32_MIN, INT32_MAX};
-      for (int32_t k = 0; k < kSide * kSide; ++k) {
-        with[size_t(k)] = matter(x + k % kSide, y + k / kSide);
-        column.top = std::max(column.top, with[size_t(k)].last);
-        every = {std::max(every.first, with[size_t(k)].first),
-                 std::min(every.last, with[size_t(k)].last)};
+      for (const Layers& in : with) {
+        column.top = std::max(column.top, in.last);
+        every = {std::max(every.first, in.first), std::min(every.last, in.last)};
       }
       last = &column;
     }
@@ -142,48 +178,74 @@ void CrossedCells::leave_out(const elements::ObservedSpace& space, const MatterA
     uint32_t* words = &words_[blocks_[place(x, y, z)] * kWords];
     if (z > column.top) {
       std::fill_n(words, kWords, ~0u);
-      continue;
-    }
-    for (int32_t c = 0; c < int32_t(ObservedBlock::kCells); ++c) {
-      const Layers& in = with[size_t(c) % with.size()];
-      const int32_t layer = z + c / (kSide * kSide);
-      words[c / 32] |= uint32_t(layer < in.first || layer > in.last) << c % 32;
+    } else {
+      add_without_matter(with, z, words);
     }
   }
 }
 
+std::vector<uint8_t> CrossedCells::crossed_layers(const elements::ObservedSpace& space) const {
+  const size_t bytes = size_t(size_.z) + 1;
+  std::vector<uint8_t> out(columns_.size() * bytes);
+  size_t last = 0;
+  for (const ObservedBlock& b : space.blocks) {
+    const int32_t x = kSide * b.at.x, y = kSide * b.at.y, z = kSide * b.at.z;
+    const size_t number = column_of(x, y);
+    uint8_t* column = &out[number * bytes];
+    if (number != last) {
+      for (size_t k = 0; k < bytes; ++k) {
+        const int64_t below = int64_t(columns_[number].top) + 1 - kSide * (low_.z + int64_t(k));
+        column[k] = uint8_t(0xff << std::clamp<int64_t>(below, 0, kSide));
+      }
+      last = number;
+    }
+    const uint32_t* words = &words_[blocks_[place(x, y, z)] * kWords];
+    for (int k = 0; k < kSide; ++k) {
+      column[b.at.z - low_.z] |= uint8_t((words[2 * k] & words[2 * k + 1]) == ~0u) << k;
+    }
+  }
+  return out;
+}
+
 void CrossedCells::find_layers(const elements::ObservedSpace& space) {
-  const int32_t bottom = kSide * low_.z, end = bottom + kSide * size_.z;
+  const size_t bytes = size_t(size_.z) + 1;
+  const std::vector<uint8_t> crossed = crossed_layers(space);
   const Column* last = nullptr;
   for (const ObservedBlock& b : space.blocks) {
     Column& column = columns_[column_of(kSide * b.at.x, kSide * b.at.y)];
     if (&column == last) continue;
     last = &column;
     for (int way = 0; way < 4; ++way) {
-      const std::array<int32_t, 2> x{kSide * b.at.x, kSide * (b.at.x + ((way & 1) ? -1 : 1))},
-          y{kSide * b.at.y, kSide * (b.at.y + ((way & 2) ? -1 : 1))};
-      const auto is_full = [&](int32_t z) {
-        for (int k = 0; k < 4; ++k) {
-          const int32_t at_x = x[size_t(k & 1)], at_y = y[size_t(k >> 1)];
-          if (z > columns_[column_of(at_x, at_y)].top) continue;
-          const size_t first = blocks_[place(at_x, at_y, z)] * kWords + size_t(2 * (z & 7));
-          if (words_[first] != ~0u || words_[first + 1] != ~0u) return false;
-        }
-        return true;
+      const int32_t x = kSide * b.at.x, y = kSide * b.at.y,
+                    next_x = x + ((way & 1) ? -kSide : kSide),
+                    next_y = y + ((way & 2) ? -kSide : kSide);
+      const auto layers_at = [&](int32_t i, int32_t j) {
+        return &crossed[column_of(i, j) * bytes];
       };
+      const std::array<const uint8_t*, 4> of{layers_at(x, y), layers_at(next_x, y),
+                                             layers_at(x, next_y), layers_at(next_x, next_y)};
+      const auto all = [&](int32_t k) { return of[0][k] & of[1][k] & of[2][k] & of[3][k]; };
       Layers run;
       Layers& best = column.crossed[size_t(way)];
-      int32_t above = bottom - 1;
-      for (int32_t z = bottom; z < end; ++z) {
-        if (!is_full(z)) {
+      int32_t above = kSide * low_.z - 1;
+      const auto add = [&](bool is_crossed, int32_t z, int32_t count) {
+        if (!is_crossed) {
           run = {};
-          above = z;
-          continue;
+          above = z + count - 1;
+          return;
         }
-        run = {run.last < run.first ? z : run.first, z};
+        run = {run.last < run.first ? z : run.first, z + count - 1};
         if (run.last - run.first > best.last - best.first) best = run;
+      };
+      for (int32_t k = 0; k < size_.z; ++k) {
+        const int32_t z = kSide * (low_.z + k), layers = all(k);
+        if (layers == 0 || layers == 0xff) {
+          add(layers != 0, z, kSide);
+        } else {
+          for (int i = 0; i < kSide; ++i) add(layers >> i & 1, z + i, 1);
+        }
       }
-      if (is_full(end)) column.above[size_t(way)] = above;
+      if (all(size_.z) & 1) column.above[size_t(way)] = above;
     }
   }
 }

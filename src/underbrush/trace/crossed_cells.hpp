@@ -50,8 +50,12 @@ class CrossedCells {
   struct Layers {
     int32_t first = 0, last = -1;
   };
-  /// The layers above a cell of the plane (x, y) in which there may be matter.
-  using MatterAbove = std::function<Layers(int32_t, int32_t)>;
+  /// Layers above each cell of a column of blocks; x fastest.
+  using ColumnLayers =
+      std::array<Layers, size_t(elements::ObservedBlock::kSide) * elements::ObservedBlock::kSide>;
+  /// The layers in which there may be matter, for the column of blocks that begins with the cell
+  /// (x, y).
+  using MatterAbove = std::function<ColumnLayers(int32_t, int32_t)>;
 
   /// Cells of the map's columns of blocks in which there is no matter count as crossed.
   explicit CrossedCells(const elements::ObservedSpace& space, const MatterAbove& matter = {});
@@ -84,6 +88,9 @@ class CrossedCells {
 
   /// Counts the cells without matter as crossed.
   void leave_out(const elements::ObservedSpace& space, const MatterAbove& matter);
+  /// The layers of each column of blocks whose cells are all crossed, as bits: a byte for each
+  /// block of height, and one for those above the map.
+  std::vector<uint8_t> crossed_layers(const elements::ObservedSpace& space) const;
   void find_layers(const elements::ObservedSpace& space);
   /// The place of a cell's bit in its word: by y and x.
   static uint32_t bit(int32_t x, int32_t y) { return uint32_t(8 * (y & 3) + (x & 7)); }

@@ -118,20 +118,34 @@ double GroundHeights::between(const std::vector<float>& values, double x, double
          b * ((1 - a) * double(row[nx_]) + a * double(row[nx_ + 1]));
 }
 
-std::array<double, 2> GroundHeights::bounds(double x, double y, double side_m) const {
-  const auto node = [&](double at, int32_t low, int32_t count) {
-    return int32_t(std::clamp(at / side_m_ - 0.5 - low, 0.0, double(count - 1) - 1e-9));
+GroundHeights::Interval GroundHeights::interval(double at, double length_m, int32_t low,
+                                                int32_t count) const {
+  const auto node = [&](double to) {
+    return int32_t(std::clamp(to / side_m_ - 0.5 - low, 0.0, double(count - 1) - 1e-9));
   };
-  const int32_t last_i = node(x + side_m, low_.x, nx_) + 1,
-                last_j = node(y + side_m, low_.y, ny_) + 1;
-  std::array<double, 2> out{HUGE_VAL, -HUGE_VAL};
-  for (int32_t j = node(y, low_.y, ny_); j <= last_j; ++j) {
-    for (int32_t i = node(x, low_.x, nx_); i <= last_i; ++i) {
-      const auto height = double(height_m_[size_t(j) * size_t(nx_) + size_t(i)]);
-      out = {std::min(out[0], height), std::max(out[1], height)};
+  return {node(at), node(at + length_m) + 1, cell_index(at, side_m_) - low,
+          cell_index(at + length_m, side_m_) - low};
+}
+
+std::array<double, 2> GroundHeights::bounds(const Interval& x, const Interval& y) const {
+  float low = HUGE_VALF, high = -HUGE_VALF;
+  for (int32_t j = y.first; j <= y.last; ++j) {
+    const float* row = &height_m_[size_t(j) * size_t(nx_)];
+    for (int32_t i = x.first; i <= x.last; ++i) {
+      low = std::min(low, row[i]);
+      high = std::max(high, row[i]);
     }
   }
-  return out;
+  return {double(low), double(high)};
+}
+
+bool GroundHeights::is_known(const Interval& x, const Interval& y) const {
+  for (int32_t j = y.begin; j <= y.end; ++j) {
+    for (int32_t i = x.begin; i <= x.end; ++i) {
+      if (!has_ground(i, j)) return false;
+    }
+  }
+  return true;
 }
 
 }  // namespace underbrush::trace

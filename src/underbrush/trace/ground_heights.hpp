@@ -28,8 +28,7 @@ class GroundHeights {
   /// Whether the mesh has ground in the square of a place.
   bool is_known(double x, double y) const {
     const Cell2 c = cell_of(x, y, side_m_);
-    const int32_t i = c.x - low_.x, j = c.y - low_.y;
-    return i >= 0 && j >= 0 && i < nx_ && j < ny_ && known_[size_t(j) * size_t(nx_) + size_t(i)];
+    return has_ground(c.x - low_.x, c.y - low_.y);
   }
   /// The share of beams below the ground at a place that may return, by the beams that were lost
   /// near it: 1 where there are none.
@@ -37,9 +36,17 @@ class GroundHeights {
   /// The range (m) at which a ray (frame of the mesh) first comes below the ground within limits,
   /// found in steps of `step_m`; empty where it does not.
   std::optional<double> entry(const Ray& ray, const RangeLimits& limits, double step_m) const;
-  /// The least and the greatest height in a square of the side `side_m`, whose least x and y are
-  /// given, or bounds of them.
-  std::array<double, 2> bounds(double x, double y, double side_m) const;
+  /// What the heights in an interval along an axis depend on: the first and last of the cells
+  /// between whose middles they lie, and the cells in which the interval begins and ends.
+  struct Interval {
+    int32_t first, last, begin, end;
+  };
+  Interval along_x(double x, double length_m) const { return interval(x, length_m, low_.x, nx_); }
+  Interval along_y(double y, double length_m) const { return interval(y, length_m, low_.y, ny_); }
+  /// Bounds of the heights in a rectangle.
+  std::array<double, 2> bounds(const Interval& x, const Interval& y) const;
+  /// Whether the mesh has ground in all squares of a rectangle.
+  bool is_known(const Interval& x, const Interval& y) const;
   double lowest_m() const { return lowest_m_; }
   double highest_m() const { return highest_m_; }
 
@@ -47,6 +54,10 @@ class GroundHeights {
   /// Continues the values of the cells `front`, ring by ring: a cell takes the mean of its
   /// neighbours in the ring before.
   void extend(std::vector<float>& values, std::vector<size_t> front) const;
+  bool has_ground(int32_t i, int32_t j) const {
+    return i >= 0 && j >= 0 && i < nx_ && j < ny_ && known_[size_t(j) * size_t(nx_) + size_t(i)];
+  }
+  Interval interval(double at, double length_m, int32_t low, int32_t count) const;
   /// The value at a place, between the middles of cells.
   double between(const std::vector<float>& values, double x, double y) const;
 

@@ -29,19 +29,28 @@ UnknownSpace::Most UnknownSpace::most_of(const ObservedSpace& space) {
   return out;
 }
 
-CrossedCells::Layers UnknownSpace::matter_above(int32_t x, int32_t y) const {
+CrossedCells::ColumnLayers UnknownSpace::matter_above(int32_t x, int32_t y) const {
   constexpr double kSlackM = 1e-6;  // for rounding
-  const auto layer = [this](double z_m) {
-    return int32_t(std::floor(std::clamp(z_m / space_.cell_m, -1e9, 1e9)));
+  constexpr size_t kSide = elements::ObservedBlock::kSide;
+  const double cell = space_.cell_m;
+  const auto layer = [cell](double z_m) {
+    return int32_t(std::floor(std::clamp(z_m / cell, -1e9, 1e9)));
   };
-  CrossedCells::Layers out{INT32_MIN, INT32_MAX};
+  CrossedCells::ColumnLayers out;
+  out.fill({INT32_MIN, INT32_MAX});
   if (ground_.empty()) return out;
-  const double cell = space_.cell_m, x_m = x * cell, y_m = y * cell;
-  const auto [low, high] = ground_.bounds(x_m, y_m, cell);
-  out.last = layer(high + most_.height_m + kSlackM);
-  const auto is_known = [&](double dx, double dy) { return ground_.is_known(x_m + dx, y_m + dy); };
-  if (is_known(0, 0) && is_known(cell, 0) && is_known(0, cell) && is_known(cell, cell)) {
-    out.first = layer(low + ObservedSpace::kGroundM - kSlackM);
+  // The layers are those of two by two cells, which are hardly more than those of each.
+  for (size_t j = 0; j < kSide; j += 2) {
+    const auto along_y = ground_.along_y((y + int32_t(j)) * cell, 2 * cell);
+    for (size_t i = 0; i < kSide; i += 2) {
+      const auto along_x = ground_.along_x((x + int32_t(i)) * cell, 2 * cell);
+      const auto [low, high] = ground_.bounds(along_x, along_y);
+      CrossedCells::Layers with{INT32_MIN, layer(high + most_.height_m + kSlackM)};
+      if (ground_.is_known(along_x, along_y)) {
+        with.first = layer(low + ObservedSpace::kGroundM - kSlackM);
+      }
+      for (const size_t row : {j, j + 1}) out[row * kSide + i] = out[row * kSide + i + 1] = with;
+    }
   }
   return out;
 }

@@ -85,8 +85,8 @@ class UnknownSpace {
   /// Whether a ray that comes near the ground has no return from there, by the trial of the cell
   /// where it first does.
   bool is_lost_low(const Ray& ray, uint64_t key, const RangeLimits& limits) const;
-  /// The layers of cells above a cell of the plane in which a ray may end.
-  CrossedCells::Layers matter_above(int32_t x, int32_t y) const;
+  /// The layers of cells in which a ray may end, above the cells of a column of blocks.
+  CrossedCells::ColumnLayers matter_above(int32_t x, int32_t y) const;
   /// The optical depth of a step.
   double depth(const Step& step) const;
   /// The probability that a ray returns which comes near the ground in a step.
