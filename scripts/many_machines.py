@@ -28,7 +28,7 @@ import local_slurm
 
 MIB = 1 << 20
 SPEED_M_S, SCAN_S = 10, 0.1
-HEIGHT_M, BORDER_M = 3, 200
+HEIGHT_M, BORDER_M = 3, 200  # above the ground, and from the edge of the site
 PART_M = 128
 
 
@@ -136,7 +136,7 @@ def run_plan(options, table, what, beams, command, expected):
 
 def lane_points(half_m, km, every_m):
     """Places on lanes through a square: as many as a drive of some kilometres has at this distance."""
-    reach = half_m - BORDER_M
+    reach = half_m - min(BORDER_M, half_m / 2)
     count = round(1000 * km / every_m)
     lanes = max(2, math.ceil(1000 * km / (2 * reach)))
     gap = 2 * reach / (lanes - 1)
@@ -172,7 +172,7 @@ def drive(options, table, folder):
     generated = cost(program, "annotate", "--generate", "forest", "--density", 0.1, "--size", side, side, "--seed", 3,
                      "--ground-spacing", 2, "--parts", PART_M, "-o", site)
     table.add(what="annotate", engine="one process", beams=0, **generated, mb=bytes_of(site) / 1e6)
-    composed = cost(program, "compose", site, "mesh_primitives", "-o", world)
+    composed = cost(program, "compose", site, options.primitives, "-o", world)
     table.add(what="compose", engine="one process", beams=0, **composed, mb=bytes_of(world) / 1e6)
     for km in options.km:
         write_drive(folder / f"drive{km:g}.txt", site, side / 2, km, options.every)
@@ -202,7 +202,7 @@ def copy_of(log, k, options, file):
     moved.origin[:] = (moved.origin - centre) @ rotation.T + place + error
     moved.direction[:] = moved.direction @ rotation.T.astype(np.float32)
     info = moved.info
-    info.scans = []
+    info.scans = []  # The poses of scans, which a fit without keyframes does not need, are not those of the copy.
     moved.info = info
     underbrush.write_log(file, moved)
     return len(moved)
@@ -246,6 +246,7 @@ def main():
     of_drive = commands.add_parser("drive", parents=[common])
     of_drive.add_argument("--km2", type=float, default=100)
     of_drive.add_argument("--km", type=float, nargs="+", default=[2, 20, 200])
+    of_drive.add_argument("--primitives", default="mesh_primitives", help="a set of plants")
     of_drive.add_argument("--every", type=float, default=100, help="m from scan to scan")
     of_logs = commands.add_parser("logs", parents=[common])
     of_logs.add_argument("log", nargs="+", type=pathlib.Path)
