@@ -252,7 +252,7 @@ def main():
     of_logs.add_argument("log", nargs="+", type=pathlib.Path)
     of_logs.add_argument("--logs", type=int, nargs="+", default=[1, 8, 64])
     of_logs.add_argument("--beams", type=int, default=1_600_000, help="of each copy, at most")
-    of_logs.add_argument("--places", type=int, default=4)
+    of_logs.add_argument("--places", type=int, default=6, help="a multiple of the number of logs: one log a place")
     of_logs.add_argument("--apart", type=float, default=400, help="m from place to place")
     of_logs.add_argument("--keyframes", type=int, default=0)
     options = parser.parse_args()

@@ -42,6 +42,28 @@ def world_costs(folder):
         yield f"{measured['verb']}, peak MiB", f"{measured['km2']:g} km²", [measured["peak_mib"]]
 
 
+MANY_DRIVE = ("annotate", "compose", "simulate, 1 km", "5 km", "20 km", "20 km, Dask", "20 km, Slurm")
+MANY_LOGS = ("fit, 1 log", "8 logs", "64 logs", "64 logs, Dask", "regions")
+KITTI = ("kitti_0005_city", "kitti_0027_forest", "kitti_0052_static")
+
+
+def many_machines(words, rows, **more):
+    """A table of `scripts/many_machines.py`, which fails where a result has other bytes than that of one process."""
+    def cells(folder):
+        for label, row in zip(rows, read_json(folder / "rows.json")):
+            if row["beams"]:
+                yield label, "beams", [row["beams"]]
+            yield label, "peak MiB", [row["peak_mib"]]
+            yield label, "MB", [row["mb"]]
+    python = "../python/venv/bin/python"
+    job = Job(f"many_machines.{words.split()[0]}", f'PYTHONPATH="$BIN/../python/package" "$BIN/{python}" '
+              f'"$SOURCE/scripts/many_machines.py" {words} --program "$BIN/underbrush" --folder work --json rows.json',
+              programs=("underbrush", python), **more)
+    return Measured((Part((job,), cells),), relative={"peak MiB": 0.25, "MB": 0.05},
+                    uncompared={"seconds": RATE, "processor s": RATE, "efficiency": RATE,
+                                "exponent": "of times that depend on what else runs"})
+
+
 def trace_goals(folder):
     b = read_json(folder / "bench.json")
     machine = "EPYC" if "AMD" in b["machine"]["processor"] else "Xeon"
@@ -85,6 +107,10 @@ TABLES = {
         relative={f"{verb}, peak MiB": 0.15 for verb in ("annotate", "compose", "simulate")},
         uncompared={**{f"{verb}, s": RATE for verb in ("annotate", "compose", "simulate")},
                     "exponent": "of times that depend on what else runs"}),
+    "many-machines-drive": many_machines("drive --km2 10 --km 1 5 20 --every 100 --pieces 4", MANY_DRIVE),
+    "many-machines-logs": many_machines(
+        "logs " + " ".join(f'"$WORK/{log}/log.ply"' for log in KITTI) + " --logs 1 8 64 --beams 400000 --pieces 4 --engines dask",
+        MANY_LOGS, needs=tuple(LOGS[log] for log in KITTI), after=tuple(HALVES[log] for log in KITTI)),
     "trace-goals": Measured(
         (Part((bench("trace"),), trace_goals),),
         relative={"AVX2 / Embree's AVX2 packets": 0.35, "best / Embree's best": 0.35},
