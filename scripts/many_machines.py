@@ -85,7 +85,7 @@ def by_dask(options, folder):
 
     from underbrush import dask
 
-    with LocalCluster(n_workers=options.workers, threads_per_worker=1, processes=True, dashboard_address=None) as cluster, \
+    with LocalCluster(n_workers=options.workers, threads_per_worker=1, processes=True, dashboard_address=":0") as cluster, \
             Client(cluster) as client:
         here = os.getcwd()
         os.chdir(folder)

@@ -26,7 +26,8 @@ struct Arguments {
 
 void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
-  app.add_option("LOG", a.logs, "The log (.ply or .ublog, as import writes it), or logs of one place")
+  app.add_option("LOG", a.logs,
+                 "The log (.ply or .ublog, as import writes it), or logs of one place")
       ->required();
   verb.output("-o,--output", a.output, "The model's folder")->required()->type_name("MODEL");
   CLI::Option* update =

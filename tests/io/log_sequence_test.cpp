@@ -30,7 +30,8 @@ BeamLog all_of(BeamSource& source) {
 /// Three logs in both formats, and the same beams as one log.
 struct Logs {
   TemporaryFolder folder;
-  std::vector<std::filesystem::path> files{folder / "a.ublog", folder / "b.ply", folder / "c.ublog"};
+  std::vector<std::filesystem::path> files{folder / "a.ublog", folder / "b.ply",
+                                           folder / "c.ublog"};
   BeamLog whole;
   Logs() {
     for (size_t k = 0; k < files.size(); ++k) {

@@ -146,8 +146,8 @@ size_t rows_of_run(size_t n) {
 }
 
 /// Runs a command on the middle of its logs, as so many rows of each (of all logs of a fit) as
-/// `rows_of_run` says over `less`. Of like tasks of a stage, one is run. `rows` gets the rows of all logs in the run and
-/// whole.
+/// `rows_of_run` says over `less`. Of like tasks of a stage, one is run. `rows` gets the rows of
+/// all logs in the run and whole.
 CostsOfTasks run_part(std::vector<std::string> words, size_t pieces, size_t less,
                       const std::string& program, std::pair<double, double>& rows) {
   Calibration calibration(program);
@@ -159,7 +159,8 @@ CostsOfTasks run_part(std::vector<std::string> words, size_t pieces, size_t less
     const size_t n = io::LogReader(words[k]).size();
     // A fit takes its logs as one.
     const double share = double(n) / double(std::max<size_t>(all, 1));
-    const size_t of_run = words[0] == "fit" ? size_t(share * double(rows_of_run(all))) : rows_of_run(n);
+    const size_t of_run =
+        words[0] == "fit" ? size_t(share * double(rows_of_run(all))) : rows_of_run(n);
     const size_t some = std::max<size_t>(of_run / less, 1);
     const fs::path file = calibration.new_file(fs::path(words[k]).extension().string());
     cut(words[k], (n - some) / 2, (n - some) / 2 + some, file);

@@ -32,7 +32,7 @@ struct Region {
 
 /// The index of a world.
 struct Index {
-  double side_m = 0;  ///< m
+  double side_m = 0;      ///< m
   bool is_scene = false;  ///< Whether the world is a scene, else one model.
   /// The whole's `elements::mean_reflectance`, by `elements::Kind`.
   std::array<elements::MeanReflectance, 3> reflectance;
