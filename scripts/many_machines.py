@@ -32,15 +32,24 @@ HEIGHT_M, BORDER_M = 3, 200  # above the ground, and from the edge of the site
 PART_M = 128
 
 
+# A process begins with the peak memory of the one that started it, so that a small one must start what is measured.
+START = """import json, os, subprocess, sys, time
+start = time.monotonic()
+child = subprocess.Popen(sys.argv[1:], stdout=subprocess.DEVNULL)
+_, status, usage = os.wait4(child.pid, 0)
+if status:
+    sys.exit(1)
+print(json.dumps({"seconds": time.monotonic() - start, "processor_s": usage.ru_utime + usage.ru_stime,
+                  "peak_mib": usage.ru_maxrss / 1024}))"""
+
+
 def cost(program, *words, folder="."):
     """Runs a command, and returns its seconds, processor seconds and peak memory."""
-    start = time.monotonic()
-    child = subprocess.Popen([program, *map(str, words)], stdout=subprocess.DEVNULL, cwd=folder)
-    _, status, usage = os.wait4(child.pid, 0)
-    if status:
+    done = subprocess.run([sys.executable, "-c", START, program, *map(str, words)], stdout=subprocess.PIPE, text=True,
+                          cwd=folder, check=False)
+    if done.returncode:
         raise SystemExit(f"{words[0]} failed")
-    return {"seconds": time.monotonic() - start, "processor_s": usage.ru_utime + usage.ru_stime,
-            "peak_mib": usage.ru_maxrss / 1024}
+    return json.loads(done.stdout)
 
 
 def say(program, *words, folder="."):

@@ -42,8 +42,8 @@ def world_costs(folder):
         yield f"{measured['verb']}, peak MiB", f"{measured['km2']:g} km²", [measured["peak_mib"]]
 
 
-MANY_DRIVE = ("annotate", "compose", "simulate, 1 km", "5 km", "20 km", "20 km, Dask", "20 km, Slurm")
-MANY_LOGS = ("fit, 1 log", "8 logs", "64 logs", "64 logs, Dask", "regions")
+MANY_DRIVE = ("annotate", "compose", "simulate, 1 km", "5 km", "5 km, Dask", "5 km, Slurm")
+MANY_LOGS = ("fit, 1 log", "8 logs", "8 logs, Dask", "regions")
 KITTI = ("kitti_0005_city", "kitti_0027_forest", "kitti_0052_static")
 
 
@@ -107,9 +107,9 @@ TABLES = {
         relative={f"{verb}, peak MiB": 0.15 for verb in ("annotate", "compose", "simulate")},
         uncompared={**{f"{verb}, s": RATE for verb in ("annotate", "compose", "simulate")},
                     "exponent": "of times that depend on what else runs"}),
-    "many-machines-drive": many_machines("drive --km2 10 --km 1 5 20 --every 100 --pieces 4", MANY_DRIVE),
+    "many-machines-drive": many_machines("drive --km2 10 --km 1 5 --every 100 --pieces 4", MANY_DRIVE),
     "many-machines-logs": many_machines(
-        "logs " + " ".join(f'"$WORK/{log}/log.ply"' for log in KITTI) + " --logs 1 8 64 --beams 400000 --pieces 4 --engines dask",
+        "logs " + " ".join(f'"$WORK/{log}/log.ply"' for log in KITTI) + " --logs 1 8 --beams 400000 --pieces 4 --engines dask",
         MANY_LOGS, needs=tuple(LOGS[log] for log in KITTI), after=tuple(HALVES[log] for log in KITTI)),
     "trace-goals": Measured(
         (Part((bench("trace"),), trace_goals),),

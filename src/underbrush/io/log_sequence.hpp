@@ -45,7 +45,7 @@ class LogSequence : public BeamSource {
   size_t first_ = 0, end_ = 0;
   size_t at_ = 0;  ///< The file that is open.
   std::unique_ptr<LogReader> reader_;
-  std::vector<std::map<std::string, size_t>> skipped_;  ///< Of each file.
+  std::vector<std::map<std::string, size_t>> skipped_;  ///< The records left out, by file.
 };
 
 }  // namespace underbrush::io
