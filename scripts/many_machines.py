@@ -237,7 +237,7 @@ def logs(options, table, folder):
         if count != options.logs[-1]:
             shutil.rmtree(one)
     run_plan(options, table, "fit", sum(beams), command, one)
-    costs = cost(options.program, "regions", one, "-o", folder / "world")
+    costs = cost(options.program, "regions", one, "-o", folder / "world", "--side", 128)
     table.add(what="regions", engine="one process", beams=sum(beams), **costs, mb=bytes_of(folder / "world") / 1e6)
 
 
