@@ -202,7 +202,7 @@ void fit_and_score(const Verb& verb, const Diary& say, const fs::path& folder, P
     elements::check_model_output(model);
     const auto beams = pipeline::open_log(train, true);
     const pipeline::FittedModel fitted =
-        pipeline::fit_model({*beams, train}, options, std::bind_front(&Verb::provenance, &verb),
+        pipeline::fit_model({*beams, {train}}, options, std::bind_front(&Verb::provenance, &verb),
                             shown<StageProgress>());
     pipeline::write_trained(model, fitted);
     io::LogReader like(part.test);

@@ -5,6 +5,7 @@
 #include "fit_options.hpp"
 #include "fit_text.hpp"
 #include "stages.hpp"
+#include "underbrush/core/check.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/fit/parameters.hpp"
 #include "underbrush/io/atomic_file.hpp"
@@ -16,7 +17,8 @@ namespace {
 namespace fit_verb {
 
 struct Arguments {
-  std::string log, output, splat, ground_mesh, update;
+  std::vector<std::string> logs;
+  std::string output, splat, ground_mesh, update;
   update::FitLogOptions of_log;
   fit::FitOptions fit;
   jobs::FitStage stage;
@@ -24,7 +26,9 @@ struct Arguments {
 
 void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
-  app.add_option("LOG", a.log, "The log (.ply or .ublog, as import writes it)")->required();
+  app.add_option("LOG", a.logs,
+                 "The log (.ply or .ublog, as import writes it), or logs of one place")
+      ->required();
   verb.output("-o,--output", a.output, "The model's folder")->required()->type_name("MODEL");
   CLI::Option* update =
       app.add_option("--update", a.update,
@@ -69,17 +73,19 @@ void finish(const Verb& verb, const Arguments& a, const Trained& trained,
 }
 
 void run_fit(const Verb& verb, const Arguments& a) {
-  const auto log = pipeline::open_log(a.log, true);
-  const pipeline::FittedModel fitted = pipeline::fit_model(
-      {*log, a.log}, a.fit, std::bind_front(&Verb::provenance, &verb), shown<StageProgress>());
-  finish(verb, a, fitted, log->skipped());
+  io::LogSequence logs({a.logs.begin(), a.logs.end()});
+  const pipeline::FittedModel fitted =
+      pipeline::fit_model({logs, logs.files()}, a.fit, std::bind_front(&Verb::provenance, &verb),
+                          shown<StageProgress>());
+  finish(verb, a, fitted, logs.skipped());
 }
 
 void run_update(const Verb& verb, const Arguments& a) {
+  require(a.logs.size() == 1, "fit: --update adds one log");
   pipeline::TrainedModel known = pipeline::read_trained(a.update);
-  const auto log = pipeline::open_log(a.log, known.model.all_echoes);
+  const auto log = pipeline::open_log(a.logs[0], known.model.all_echoes);
   const pipeline::UpdatedModel updated =
-      pipeline::update_model(std::move(known), {*log, a.log}, a.of_log,
+      pipeline::update_model(std::move(known), {*log, {a.logs[0]}}, a.of_log,
                              std::bind_front(&Verb::provenance, &verb), shown<StageProgress>());
   finish(verb, a, updated, log->skipped());
 }
@@ -94,8 +100,9 @@ void run(const Verb& verb, Arguments& a) {
     if (!file.empty()) io::check_output(file);
   }
   if (!a.stage.name.empty()) {
+    io::LogSequence logs({a.logs.begin(), a.logs.end()});
     const auto fitted =
-        jobs::run_fit_stage(a.stage, a.log, a.fit, a.output,
+        jobs::run_fit_stage(a.stage, logs, a.fit, a.output,
                             std::bind_front(&Verb::provenance, &verb), shown<StageProgress>());
     return fitted ? finish(verb, a, *fitted, {}) : void();
   }
@@ -113,6 +120,7 @@ void add_fit(Program& program) {
   const auto verb = add_verb(
       program, "Models", "fit", "Learn ground, ellipsoids and hit probabilities",
       "underbrush fit log.ply -o model/\n  underbrush fit log.ply --fitter surface -o mesh/\n"
+      "  underbrush fit monday.ublog tuesday.ublog -o model/\n"
       "  underbrush fit more.ply --update model/ -o grown/",
       [a](const Verb& v) { run(v, *a); });
   add_options(*verb, *a);

@@ -30,9 +30,9 @@ pipeline::Provenance with_hashes(const std::string& text) {
   };
 }
 
-std::filesystem::path file_of(const GivenLog& log) {
+std::vector<std::filesystem::path> files_of(const GivenLog& log) {
   const auto* path = std::get_if<std::filesystem::path>(&log);
-  return path ? *path : std::filesystem::path();
+  return path ? std::vector{*path} : std::vector<std::filesystem::path>();
 }
 
 template <class Trained>
@@ -56,7 +56,7 @@ ModelValue fitted(const GivenLog& log, const nb::dict& parameters, uint64_t seed
     const std::unique_ptr<BeamSource> beams = source_of(log, true);
     WatchedSource source(*beams, hook, "fit");
     out = value_of(
-        pipeline::fit_model({source, file_of(log)}, options, with_hashes(provenance), hook),
+        pipeline::fit_model({source, files_of(log)}, options, with_hashes(provenance), hook),
         *beams);
   });
   return out;
@@ -78,7 +78,7 @@ ModelValue updated(const GivenLog& log, const GivenModel& model,
     }
     const std::unique_ptr<BeamSource> beams = source_of(log, known.model.all_echoes);
     WatchedSource source(*beams, hook, "fit");
-    out = value_of(pipeline::update_model(std::move(known), {source, file_of(log)}, options,
+    out = value_of(pipeline::update_model(std::move(known), {source, files_of(log)}, options,
                                           with_hashes(provenance), hook),
                    *beams);
   });

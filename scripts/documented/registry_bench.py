@@ -42,6 +42,35 @@ def world_costs(folder):
         yield f"{measured['verb']}, peak MiB", f"{measured['km2']:g} km²", [measured["peak_mib"]]
 
 
+MANY_DRIVE = ("annotate", "compose", "simulate, 1 km", "simulate, 5 km", "5 km, Dask", "5 km, Slurm")
+MANY_LOGS = ("fit, 3 logs", "fit, 8 logs", "8 logs, Dask", "regions, 8 logs")
+MORE_LOGS = ("fit, 16 logs", "regions, 16 logs")
+KITTI = ("kitti_0005_city", "kitti_0027_forest", "kitti_0052_static")
+OF_KITTI = {"needs": tuple(LOGS[log] for log in KITTI), "after": tuple(HALVES[log] for log in KITTI)}
+
+
+def many_machines(words, rows, case="", **more):
+    """Rows that `scripts/many_machines.py` makes, which fails where a result has other bytes than that of one process."""
+    def cells(folder):
+        for label, row in zip(rows, read_json(folder / "rows.json")):
+            if row["beams"]:
+                yield label, "beams", [row["beams"]]
+            yield label, "peak MiB", [row["peak_mib"]]
+            yield label, "MB", [row["mb"]]
+    python = "../python/venv/bin/python"
+    return Part((Job(f"many_machines.{words.split()[0]}{case}", f'PYTHONPATH="$BIN/../python/package" "$BIN/{python}" '
+                     f'"$SOURCE/scripts/many_machines.py" {words} --program "$BIN/underbrush" --folder work --json rows.json',
+                     programs=("underbrush", python), **more),), cells)
+
+
+def many_logs(options, rows, case=""):
+    logs = " ".join(f'"$WORK/{log}/log.ply"' for log in KITTI)
+    return many_machines(f"logs {logs} --beams 400000 --pieces 4 {options}", rows, case, **OF_KITTI)
+
+
+MANY = {"relative": {"peak MiB": 0.25, "MB": 0.05}, "uncompared": dict.fromkeys(("seconds", "processor s", "efficiency"), RATE)}
+
+
 def trace_goals(folder):
     b = read_json(folder / "bench.json")
     machine = "EPYC" if "AMD" in b["machine"]["processor"] else "Xeon"
@@ -85,6 +114,10 @@ TABLES = {
         relative={f"{verb}, peak MiB": 0.15 for verb in ("annotate", "compose", "simulate")},
         uncompared={**{f"{verb}, s": RATE for verb in ("annotate", "compose", "simulate")},
                     "exponent": "of times that depend on what else runs"}),
+    "many-machines-drive": Measured(
+        (many_machines("drive --km2 10 --km 1 5 --every 100 --pieces 4", MANY_DRIVE),), **MANY),
+    "many-machines-logs": Measured(
+        (many_logs("--logs 3 8 --engines dask", MANY_LOGS), many_logs("--logs 16 --engines", MORE_LOGS, ".more")), **MANY),
     "trace-goals": Measured(
         (Part((bench("trace"),), trace_goals),),
         relative={"AVX2 / Embree's AVX2 packets": 0.35, "best / Embree's best": 0.35},

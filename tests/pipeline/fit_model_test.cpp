@@ -43,7 +43,7 @@ struct Drives {
 FittedModel fitted(const std::filesystem::path& file, const fit::FitOptions& options,
                    Names& names) {
   const auto log = open_log(file, false);
-  return fit_model({*log, file}, options, names.provenance());
+  return fit_model({*log, {file}}, options, names.provenance());
 }
 
 TEST(FitModel, IsTheFitWithItsOrigin) {
@@ -83,7 +83,7 @@ TEST(UpdateModel, IsTheUpdateThroughAFolderOrInMemory) {
       {first.model, {}, first.training.record, {}}, {&drives.log}, more, update::UpdateOptions());
   for (const TrainedModel& known : {TrainedModel(first), read_trained(drives.folder / "model")}) {
     const auto log = open_log(drives.second, false);
-    const UpdatedModel grown = update_model(known, {*log, drives.second}, {}, names.provenance());
+    const UpdatedModel grown = update_model(known, {*log, {drives.second}}, {}, names.provenance());
     EXPECT_EQ(grown.report.added, expected.report.added);
     EXPECT_EQ(grown.model.ground.vertices, expected.model.ground.vertices);
     ASSERT_EQ(grown.training.logs.size(), 2u);
@@ -91,7 +91,7 @@ TEST(UpdateModel, IsTheUpdateThroughAFolderOrInMemory) {
     Paths inputs{drives.first, drives.second};
     if (!known.folder.empty()) inputs.push_back(known.folder);
     EXPECT_EQ(names.asked.back(), inputs);
-    EXPECT_THROW(update_model(grown, {*log, drives.second}, {}, names.provenance()), FormatError);
+    EXPECT_THROW(update_model(grown, {*log, {drives.second}}, {}, names.provenance()), FormatError);
   }
 }
 
@@ -103,7 +103,7 @@ TEST(UpdateModel, RefusesAModelOfALogThatIsInNoFile) {
   const fit::FitOptions options = update::small_tiles("hierarchical");
   const FittedModel unnamed = fit_model({source}, options, names.provenance());
   EXPECT_TRUE(unnamed.training.logs.empty());
-  EXPECT_THROW(update_model(unnamed, {*log, drives.second}, {}, names.provenance()), FormatError);
+  EXPECT_THROW(update_model(unnamed, {*log, {drives.second}}, {}, names.provenance()), FormatError);
   write_trained(drives.folder / "model", unnamed);
   EXPECT_FALSE(fit::has_training(drives.folder / "model"));
   // Nor can a model be updated to which such a log was added.

@@ -88,6 +88,25 @@ TEST(Regions, AModelAnswersAsIfItWereWhole) {
   expect_same_answers(folder / "world", whole, beams, "400KiB");
 }
 
+TEST(Regions, TheirSideFollowsTheNumberOfElements) {
+  // An ellipsoid in the middle of each square of 16 m of a field of 128 m by 128 m, n times.
+  const auto side = [](size_t n) {
+    elements::Scene scene;
+    elements::Model& model = scene.models.emplace_back();
+    model.origin = Vec3(512, -1024, 3);
+    for (size_t k = 0; k < 64 * n; ++k) {
+      elements::Ellipsoid& e = model.ellipsoids.emplace_back();
+      e.mean = Vec3f(16 * float(k % 8) + 8, 16 * float(k / 8 % 8) + 8, 0);
+    }
+    return side_by_elements(scene);
+  };
+  EXPECT_EQ(side(1), 1024);
+  EXPECT_EQ(side(kMostOfRegion / 64), 1024);
+  EXPECT_EQ(side(kMostOfRegion / 64 + 1), 64);
+  EXPECT_EQ(side(kMostOfRegion / 16), 64);
+  EXPECT_EQ(side(kMostOfRegion / 16 + 1), 32);
+}
+
 TEST(Regions, ASceneAnswersAsIfItWereWhole) {
   const io::TemporaryFolder folder;
   pipeline::World whole = world_of_scene();

@@ -25,6 +25,7 @@ Json json_in(const std::filesystem::path& file) { return Json::parse(std::ifstre
 TEST(WorldSchema, HasTheMembersOfTheIndex) {
   const io::TemporaryFolder folder;
   Index index;
+  index.side_m = 128;
   index.regions.push_back({{-3, 4}, {Vec3(0, 1, 2), Vec3(3, 4, 5)}, {1, 2, 3}, 4, "xxh3:0"});
   write_index(folder.path(), index);
   const Json schema = json_in(UNDERBRUSH_TEST_SCHEMAS "/world.json");

@@ -145,15 +145,23 @@ size_t rows_of_run(size_t n) {
   return std::min(n, std::max(n / 8, n < kLongLog ? kLeastRows : 2 * kLongLog));
 }
 
-/// Runs a command on the middle of its logs, as so many rows of each as `rows_of_run` says over
-/// `less`. Of like tasks of a stage, one is run. `rows` gets the rows of all logs in the run and
-/// whole.
+/// Runs a command on the middle of its logs, as so many rows of each (of all logs of a fit) as
+/// `rows_of_run` says over `less`. Of like tasks of a stage, one is run. `rows` gets the rows of
+/// all logs in the run and whole.
 CostsOfTasks run_part(std::vector<std::string> words, size_t pieces, size_t less,
                       const std::string& program, std::pair<double, double>& rows) {
   Calibration calibration(program);
   rows = {0, 0};
-  for (const size_t k : logs_of(words)) {
-    const size_t n = io::LogReader(words[k]).size(), some = rows_of_run(n) / less;
+  const std::vector<size_t> logs = logs_of(words);
+  size_t all = 0;
+  for (const size_t k : logs) all += io::LogReader(words[k]).size();
+  for (const size_t k : logs) {
+    const size_t n = io::LogReader(words[k]).size();
+    // A fit takes its logs as one.
+    const double share = double(n) / double(std::max<size_t>(all, 1));
+    const size_t of_run =
+        words[0] == "fit" ? size_t(share * double(rows_of_run(all))) : rows_of_run(n);
+    const size_t some = std::max<size_t>(of_run / less, 1);
     const fs::path file = calibration.new_file(fs::path(words[k]).extension().string());
     cut(words[k], (n - some) / 2, (n - some) / 2 + some, file);
     words[k] = file.string();

@@ -18,13 +18,13 @@ std::pair<size_t, size_t> rows_of(const std::string& stage) {
   return {first, end};
 }
 
-void begin(io::LogReader& log, const fit::FitOptions& options, const std::string& output,
+void begin(io::LogSequence& log, const fit::FitOptions& options, const std::string& output,
            const fit::FitProgress& progress) {
   const fit::FitStart start = fit::begin_fit(log, options, progress);
   fit::write_start(output, start, fit::begin_refinement(start, log.info(), options), options);
 }
 
-void sum(const FitStage& stage, io::LogReader& log, const fit::FitOptions& options,
+void sum(const FitStage& stage, io::LogSequence& log, const fit::FitOptions& options,
          const std::string& output, const fit::FitProgress& progress) {
   require(stage.from.size() == 1, "fit: a sum is from one folder");
   const auto [first, end] = rows_of(stage.name);
@@ -42,32 +42,31 @@ likelihood::PassSums sums_of(const FitStage& stage, const elements::Model& model
 
 }  // namespace
 
-std::optional<pipeline::FittedModel> run_fit_stage(const FitStage& stage, const std::string& path,
+std::optional<pipeline::FittedModel> run_fit_stage(const FitStage& stage, io::LogSequence& logs,
                                                    const fit::FitOptions& options,
                                                    const std::string& output,
                                                    const pipeline::Provenance& provenance,
                                                    const fit::FitProgress& progress) {
   const auto begin_time = std::chrono::steady_clock::now();
-  const auto log = pipeline::open_log(path, true);
   if (stage.name == "begin") {
-    begin(*log, options, output, progress);
+    begin(logs, options, output, progress);
     return {};
   }
   if (stage.name != "step" && stage.name != "end") {
-    sum(stage, *log, options, output, progress);
+    sum(stage, logs, options, output, progress);
     return {};
   }
   require(stage.from.size() >= 2, "fit: a step is from two folders and the files of sums");
   fit::FitStart start = fit::read_start(stage.from[0]);
   likelihood::Refinement refinement = fit::read_refinement(stage.from[1]);
-  fit::take_step(refinement, sums_of(stage, refinement.best->model), start, log->info(), options);
+  fit::take_step(refinement, sums_of(stage, refinement.best->model), start, logs.info(), options);
   if (stage.name == "step") {
     fit::write_refinement(output, refinement);
     return {};
   }
   pipeline::FittedModel out =
-      pipeline::completed(fit::end_fit(*log, std::move(start), std::move(refinement), options),
-                          {*log, path}, options, provenance);
+      pipeline::completed(fit::end_fit(logs, std::move(start), std::move(refinement), options),
+                          {logs, logs.files()}, options, provenance);
   out.seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_time).count();
   return out;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "underbrush/io/log_sequence.hpp"
 #include "underbrush/jobs/job.hpp"
 #include "underbrush/pipeline/fit_model.hpp"
 
@@ -24,10 +25,10 @@ struct FitStage {
   std::vector<std::string> from;
 };
 
-/// Runs a stage of the fit of a log to a model. `end` returns the model, the others write their
+/// Runs a stage of the fit of a model to logs. `end` returns the model, the others write their
 /// results to `output`. The model has the bits of `pipeline::fit_model`. Throws as that does, and
 /// `std::invalid_argument` for a stage that is not one.
-std::optional<pipeline::FittedModel> run_fit_stage(const FitStage& stage, const std::string& log,
+std::optional<pipeline::FittedModel> run_fit_stage(const FitStage& stage, io::LogSequence& logs,
                                                    const fit::FitOptions& options,
                                                    const std::string& output,
                                                    const pipeline::Provenance& provenance,

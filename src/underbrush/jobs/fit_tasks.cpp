@@ -4,26 +4,26 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/fit/fit_options.hpp"
-#include "underbrush/io/log_file.hpp"
+#include "underbrush/io/log_sequence.hpp"
 
 namespace underbrush::jobs {
 namespace {
 
-/// Rough costs of a row of the log: of all before the refinement, of a pass, and of all after it.
+/// Rough costs of a row of the logs: of all before the refinement, of a pass, and of all after it.
 constexpr double kSecondsBefore = 3e-6, kSecondsOfPass = 1e-6, kSecondsAfter = 1.5e-6;
 constexpr int kMostRounds = 100;
 
 const fit::FitOptions kDefaults;
 
-/// The log of a fit.
-std::string log_of(const Task& fit) {
-  std::vector<std::string> logs;
-  for (const std::string& path : fit.inputs) {
-    const bool is_word = std::ranges::find(fit.command, path) != fit.command.end();
-    if (is_word && io::is_log_name(path)) logs.push_back(path);
+/// The logs of a fit, in the order of its command.
+io::LogSequence logs_of(const Task& fit) {
+  std::vector<std::filesystem::path> logs;
+  for (const std::string& word : fit.command) {
+    const bool is_input = std::ranges::find(fit.inputs, word) != fit.inputs.end();
+    if (is_input && io::is_log_name(word)) logs.emplace_back(word);
   }
-  require(logs.size() == 1, "a fit that is cut into pieces names its log, a .ply or .ublog");
-  return logs[0];
+  require(!logs.empty(), "a fit that is cut into pieces names its logs, which are .ply or .ublog");
+  return io::LogSequence(std::move(logs));
 }
 
 int rounds_of(const std::vector<std::string>& words) {
@@ -63,7 +63,7 @@ std::string value_of(const std::vector<std::string>& words, const std::string& o
 size_t add_fit(const Task& whole, const std::vector<std::string>& words, size_t pieces,
                Plan& plan) {
   check_stages(words);
-  const size_t rounds = size_t(rounds_of(words)), rows = io::LogReader(log_of(whole)).size();
+  const size_t rounds = size_t(rounds_of(words)), rows = logs_of(whole).size();
   pieces = std::min(pieces, std::max<size_t>(rows, 1));
   const auto add = [&](size_t stage, const std::string& name, const char* output, double seconds,
                        std::vector<EarlierOutput> earlier) {

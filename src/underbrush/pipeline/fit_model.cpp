@@ -41,13 +41,20 @@ class Origin {
   Json json_;
 };
 
+/// The name of a log in messages: that of its first file, with the number of the others.
+std::string name_of(const FitLog& log) {
+  if (log.files.empty()) return "log";
+  const size_t others = log.files.size() - 1;
+  return log.files[0].string() + (others ? " and " + std::to_string(others) + " more" : "");
+}
+
 template <class Work>
 auto on_log(const FitLog& log, const Work& work) {
   try {
     return work();
   } catch (const DataError& e) {
-    if (log.file.empty()) throw;
-    throw FormatError(log.file.string(), "", e.what());
+    if (log.files.empty()) throw;
+    throw FormatError(name_of(log), "", e.what());
   }
 }
 
@@ -116,7 +123,7 @@ void restore_recorder(TrainedModel& known) {
 void check_recorder(const FitLog& log, const fit::FitOptions& options) {
   const LogInfo& info = log.beams.info();
   if (options.sensor.empty() || info.sensor.empty() || options.sensor == info.sensor) return;
-  const std::string name = log.file.empty() ? "log" : log.file.string();
+  const std::string name = name_of(log);
   LogInfo given;
   given.sensor = options.sensor;
   given.sensor_file = options.sensor_file;
@@ -178,16 +185,15 @@ FittedModel completed(fit::FitResult fitted, const FitLog& log, const fit::FitOp
       options, bool(options.volumetric.mixture.footprint), {}, std::move(fitted.record)};
   out.training.options.range_noise_m = out.report.range_noise_m;
   if (provenance) {
-    std::vector<fs::path> inputs;
-    if (!log.file.empty()) inputs.push_back(log.file);
+    std::vector<fs::path> inputs = log.files;
     if (fit::fitter_named(options.fitter).refines && elements::is_model(options.start)) {
       inputs.emplace_back(options.start);
     }
     Origin origin(provenance, inputs);
     origin.add(out.report.likelihood);
     out.model.provenance = origin.text();
-    if (!log.file.empty()) {
-      out.training.logs.push_back(origin.training_log(log.file, options.all_echoes));
+    for (const fs::path& file : log.files) {
+      out.training.logs.push_back(origin.training_log(file, options.all_echoes));
     }
   }
   return out;
@@ -197,6 +203,8 @@ UpdatedModel update_model(TrainedModel known, const FitLog& log,
                           const update::FitLogOptions& options, const Provenance& provenance,
                           const fit::FitProgress& progress) {
   const auto start = Clock::now();
+  require(log.files.size() <= 1, "update: logs are added one after another");
+  const fs::path file = log.files.empty() ? fs::path() : log.files[0];
   check_training(known);
   restore_recorder(known);
   fit::Training& training = known.training;
@@ -210,10 +218,10 @@ UpdatedModel update_model(TrainedModel known, const FitLog& log,
     readers.push_back(open_log(file, known.model.all_echoes));
     earlier.push_back(readers.back().get());
   }
-  if (!log.file.empty()) inputs.push_back(log.file);
+  if (!file.empty()) inputs.push_back(file);
   if (!known.folder.empty()) inputs.push_back(known.folder);
   const Origin origin(provenance, inputs);
-  check_hashes(origin, training, inputs, log.file);
+  check_hashes(origin, training, inputs, file);
   fit::FitResult before;
   before.model = std::move(known.model);
   before.record = std::move(training.record);
@@ -229,10 +237,10 @@ UpdatedModel update_model(TrainedModel known, const FitLog& log,
   out.training.record = std::move(grown.record);
   if (log.beams.size() > 0) {
     // A model of a log that is in no file cannot be updated again.
-    if (log.file.empty()) {
+    if (file.empty()) {
       out.training.logs.clear();
     } else {
-      out.training.logs.push_back(origin.training_log(log.file, known.model.all_echoes));
+      out.training.logs.push_back(origin.training_log(file, known.model.all_echoes));
     }
   }
   out.seconds = seconds_since(start);

@@ -23,7 +23,9 @@ using Provenance = std::function<std::string(const std::vector<std::filesystem::
 struct FitLog {
   /// The log, with a row for each echo. A fit of first echoes takes only its grain from the others.
   BeamSource& beams;
-  std::filesystem::path file = {};  ///< Empty for a log that is in no file.
+  /// The file of the log, or those of a sequence (`io::LogSequence`). Empty for a log that is in no
+  /// file.
+  std::vector<std::filesystem::path> files = {};
 };
 
 /// A model and the other data of its folder.
@@ -54,7 +56,7 @@ std::unique_ptr<io::LogReader> open_log(const std::filesystem::path& file, bool 
 void set_recorder(const sensor::Sensor& sensor, fit::FitOptions& options);
 
 /// Fits a model to a log (`fit::fit`). Its provenance, to which the steps of a refinement are
-/// added, is that of the log's file and of the folder of a model that `options.start` names;
+/// added, is that of the log's files and of the folder of a model that `options.start` names;
 /// without `provenance` the model has none and cannot be updated. Throws as `fit::fit` does, and
 /// `FormatError` where that throws `DataError` on the log of a file.
 FittedModel fit_model(const FitLog& log, const fit::FitOptions& options,

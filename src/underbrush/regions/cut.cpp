@@ -96,14 +96,42 @@ elements::Scene common_of(const elements::Scene& scene, elements::SceneInfo& inf
   return common;
 }
 
+/// The origin of the model that is cut.
+Vec3 origin_of(const elements::Scene& scene) {
+  return scene.instances.empty() ? scene.models.at(0).origin
+                                 : scene.instances[0].world_from_model.translation;
+}
+
 }  // namespace
+
+double side_by_elements(const elements::Scene& scene) {
+  constexpr int kSmallest = 16, kLargest = 1024;
+  const elements::Model& model = scene.models.at(0);
+  const Vec3 origin = origin_of(scene);
+  std::set<Cell2> squares;
+  const auto add = [&](const Vec3& at) { squares.insert(cell_of(at.x(), at.y(), kSmallest)); };
+  for (size_t k = 0; k < model.size(); ++k) add(origin + middle_of(model, model.place_at(k)));
+  for (size_t k = 1; k < scene.instances.size(); ++k) {
+    add(scene.instances[k].world_from_model.translation);
+  }
+  const size_t all = model.size() + scene.instances.size();
+  int side = kLargest;
+  for (; side > kSmallest; side /= 2) {
+    std::set<Cell2> regions;
+    for (const Cell2& c : squares) {
+      regions.insert(cell_of((c.x + 0.5) * kSmallest, (c.y + 0.5) * kSmallest, side));
+    }
+    if (all <= kMostOfRegion * regions.size()) break;
+  }
+  return side;
+}
 
 size_t write_world(const std::filesystem::path& path, const elements::Scene& scene,
                    const elements::SceneInfo& info, double side_m, const std::string& provenance) {
   const bool is_scene = !scene.instances.empty();
   if (is_scene) check_cut(scene, info);
   const elements::Model& model = scene.models.at(0);
-  const Vec3 origin = is_scene ? scene.instances[0].world_from_model.translation : model.origin;
+  const Vec3 origin = origin_of(scene);
   WorldWriter writer(path, side_m);
   PlacesOfSquare squares;
   for (size_t k = 0; k < model.size(); ++k) {

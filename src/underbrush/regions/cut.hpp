@@ -7,6 +7,13 @@
 
 namespace underbrush::regions {
 
+/// The most elements and instances of a region, on average, where the side is chosen by them.
+inline constexpr size_t kMostOfRegion = 100'000;
+
+/// Returns the largest side (m), a power of two from 16 to 1024 m, with which the regions of a
+/// scene have at most `kMostOfRegion` elements and instances on average; 16 m if none has so few.
+double side_by_elements(const elements::Scene& scene);
+
 /// Writes a scene, or a model as a scene without instances, as a world of regions of the side
 /// `side_m` (m). An element lies in the region of its middle, and an instance in that of its
 /// origin. Of a scene, the model of the first instance is cut; moving instances belong to no

@@ -17,9 +17,6 @@ namespace regions {
 
 /// Version of the layout that is written; newer versions are refused.
 inline constexpr int kWorldVersion = 1;
-/// The side of a region that is written unless another is given, m.
-inline constexpr double kSideM = 128;
-
 /// The content of a square: the elements and instances whose middles lie in it.
 struct Region {
   Cell2 square;                ///< In sides.
@@ -35,7 +32,7 @@ struct Region {
 
 /// The index of a world.
 struct Index {
-  double side_m = kSideM;
+  double side_m = 0;      ///< m
   bool is_scene = false;  ///< Whether the world is a scene, else one model.
   /// The whole's `elements::mean_reflectance`, by `elements::Kind`.
   std::array<elements::MeanReflectance, 3> reflectance;
