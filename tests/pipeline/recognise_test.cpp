@@ -69,7 +69,8 @@ TEST(Recognise, KeyframesAnswerTheSameSensorAndNoOther) {
 }
 
 TEST(Recognise, TheBeamsOfAFileAreThoseOfALogInMemory) {
-  const TracedWorld world(test::fitted(unnamed(test::kDrive, 0), 1));
+  const elements::Model model = test::fitted(unnamed(test::kDrive, 0), 1);
+  const TracedWorld world(model);
   const io::TemporaryFolder folder;
   const std::filesystem::path file = folder / "log.ply";
   const BeamLog written = unnamed({1.3, 3}, 100);
