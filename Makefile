@@ -91,7 +91,7 @@ bench: setup   ## Build and run the benchmarks
 	@cmake --build $(BUILD) -j $(JOBS)
 	@set -e; for b in $$(find $(BUILD)/bin -maxdepth 1 -name 'bench_*' -type f | sort); do echo "== $$b"; $$b; done
 
-gates: setup   ## Count the instructions of tracing, echoes and four verbs, and compare with bench/gates.txt (minutes)
+gates: setup   ## Count the instructions of tracing, echoes and five verbs, and compare with bench/gates.txt (half an hour)
 	@$(call quiet,$(configure) $(everything))
 	@cmake --build $(BUILD) --target underbrush bench_trace bench_echoes -j $(JOBS)
 	@bench/gates.py --bin $(BUILD)/bin

@@ -30,6 +30,7 @@ TEST(KeyframeWeights, AreTheMostLikelyOnesBesideBeamsWithoutEvidence) {
   for (const double weight : {0.1, 0.8, 1.0}) {
     for (const int sky : {0, 20000}) {
       std::vector<WeightSample> samples;
+      samples.reserve(30000);
       for (int k = 0; k < sky; ++k) samples.push_back(sample(false, 1));
       for (int k = 0; k < 10000; ++k) samples.push_back(sample(k < 5000 * weight, 0.5));
       EXPECT_NEAR(most_likely_weights(samples)[0].elements, weight, 0.02) << sky;
@@ -85,6 +86,7 @@ elements::KeyframeWeights next_by_definition(const std::vector<WeightSample>& sa
 TEST(KeyframeWeights, AreAFixedPointOfTheirDefinition) {
   Stream random(57);
   std::vector<WeightSample> samples;
+  samples.reserve(40000);
   for (int k = 0; k < 40000; ++k) {
     CachedPixels found;
     const bool returns = random.uniform() < 0.7;

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "ball_scanner.hpp"
+#include "io/temporary.hpp"
+#include "underbrush/io/log_file.hpp"
 #include "underbrush/pipeline/score_logs.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 
@@ -64,6 +66,28 @@ TEST(Recognise, KeyframesAnswerTheSameSensorAndNoOther) {
   EXPECT_EQ(simulate_log(simulation, same).range_m, answers(world, same, 777).range_m);
   EXPECT_EQ(simulate_log(simulation, other).range_m, answers(world, other, 777).range_m);
   EXPECT_EQ(simulate_log(simulation, same).range_m, answers(world, same, 777).range_m);
+}
+
+TEST(Recognise, TheBeamsOfAFileAreThoseOfALogInMemory) {
+  const elements::Model model = test::fitted(unnamed(test::kDrive, 0), 1);
+  const TracedWorld world(model);
+  const io::TemporaryFolder folder;
+  const std::filesystem::path file = folder / "log.ply";
+  const BeamLog written = unnamed({1.3, 3}, 100);
+  io::LogWriter writer(file, written.info, "");
+  writer.write(written);
+  writer.close();
+  for (const std::string beams : {"", "100:3000"}) {
+    SimulateOptions options;
+    options.beams = beams;
+    const Answers expected = answers(world, io::read_log(file), 777, options);
+    Simulation simulation(world, options);
+    io::BeamReader reader(file, 777);
+    const BeamLog log = simulate_log(simulation, reader);
+    EXPECT_EQ(log.range_m, expected.range_m);
+    EXPECT_EQ(log.size(), beams.empty() ? written.size() : 2900);
+    EXPECT_TRUE(simulation.keyframes_serve(log.info));
+  }
 }
 
 TEST(Recognise, AScoreOfAnotherSensorIsThatOfTheElements) {

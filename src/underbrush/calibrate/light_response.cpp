@@ -189,11 +189,12 @@ class Regression {
       const Gain::Between& at = place_of(places_[i]);
       const double predicted = double(reflectance_[s.element].mean) * response(i);
       const double others = predicted / values[i], r = ratio(s.intensity, predicted);
-      for (const auto& [knot, weight] :
-           {std::pair{at.first, 1 - at.weight}, std::pair{at.second, at.weight}}) {
+      const auto add = [&](size_t knot, double weight) {
         seen[knot] += others * weight * g.gain[knot] * r;
         expected[knot] += others * weight;
-      }
+      };
+      add(at.first, 1 - at.weight);
+      add(at.second, at.weight);
     }
     for (size_t k = 0; k < g.gain.size(); ++k) g.gain[k] = std::max(seen[k] / expected[k], 1e-6);
     // The mean over the samples becomes one.

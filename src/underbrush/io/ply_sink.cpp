@@ -34,8 +34,8 @@ ValueType stored_type(ValueType type) {
 class PlySink : public LogSink {
  public:
   PlySink(OutputFile& o, const LogComments& c, const LogWriterOptions& options)
-      : out(o), double_coordinates(options.double_coordinates), comments(c) {
-    comments.pad_range = options.limits_from_data;
+      : out_(o), double_coordinates_(options.double_coordinates), comments_(c) {
+    comments_.pad_range = options.limits_from_data;
   }
   void write(const BeamLog& chunk) override;
   void finish(const LogComments& completed) override;
@@ -52,22 +52,22 @@ class PlySink : public LogSink {
   void encode(const BeamLog& log, size_t i, size_t n, char* rows);
   void encode_beam(const BeamLog& log, size_t i, char* row);
 
-  OutputFile& out;
-  bool double_coordinates;
-  LogComments comments;
-  std::vector<Extra> extra;
-  size_t row_size = 0, rows = 0, header_size = 0;
-  float alpha_scale = 1;
-  std::unique_ptr<char[]> buffer;
-  size_t room = 0;  // rows that fit into the buffer
+  OutputFile& out_;
+  bool double_coordinates_;
+  LogComments comments_;
+  std::vector<Extra> extra_;
+  size_t row_size_ = 0, rows_ = 0, header_size_ = 0;
+  float alpha_scale_ = 1;
+  std::unique_ptr<char[]> buffer_;
+  size_t room_ = 0;  // rows that fit into the buffer
 };
 
 std::string PlySink::header() const {
   char count[32];
-  std::snprintf(count, sizeof count, "%020zu", rows);
-  std::string text = "ply\nformat binary_little_endian 1.0\n" + text_from_comments(comments) +
+  std::snprintf(count, sizeof count, "%020zu", rows_);
+  std::string text = "ply\nformat binary_little_endian 1.0\n" + text_from_comments(comments_) +
                      "element vertex " + count + "\n";
-  const char* real = double_coordinates ? "double " : "float ";
+  const char* real = double_coordinates_ ? "double " : "float ";
   for (const char* axis : {"x", "y", "z"}) text += std::string("property ") + real + axis + "\n";
   text +=
       "property double time\n"
@@ -75,7 +75,7 @@ std::string PlySink::header() const {
       "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n"
       "property ushort ring\nproperty uint scan\nproperty uint packet\nproperty uchar flags\n"
       "property float remission\n";
-  for (const Extra& e : extra) {
+  for (const Extra& e : extra_) {
     text +=
         std::string("property ") + ply_name(stored_type(e.type)) + " " + stored_name(e.name) + "\n";
   }
@@ -83,32 +83,32 @@ std::string PlySink::header() const {
 }
 
 void PlySink::begin(const BeamLog& first) {
-  comments.colours = has_colours(first);
-  row_size = (double_coordinates ? 24 : 12) + 8 + 12 + 4 + 2 + 4 + 4 + 1 + 4;
+  comments_.colours = has_colours(first);
+  row_size_ = (double_coordinates_ ? 24 : 12) + 8 + 12 + 4 + 2 + 4 + 4 + 1 + 4;
   for (const auto& [name, column] : first.extra) {
-    if (comments.colours && std::find(kColours.begin(), kColours.end(), name) != kColours.end()) {
+    if (comments_.colours && std::find(kColours.begin(), kColours.end(), name) != kColours.end()) {
       continue;
     }
     require_data(!name.empty(), "log: an extra column without a name");
     const ValueType type = type_of(column);
-    extra.push_back({name, type});
-    row_size += size_of(stored_type(type));
-    if (stored_type(type) != type) comments.narrow[stored_name(name)] = type;
+    extra_.push_back({name, type});
+    row_size_ += size_of(stored_type(type));
+    if (stored_type(type) != type) comments_.narrow[stored_name(name)] = type;
   }
   // Sensors give intensities from 0 to 1 or from 0 to 255; alpha holds 1 to 255.
   const auto brightest = std::max_element(first.intensity.begin(), first.intensity.end());
-  alpha_scale = brightest != first.intensity.end() && *brightest <= 1 ? 255 : 1;
+  alpha_scale_ = brightest != first.intensity.end() && *brightest <= 1 ? 255 : 1;
   const std::string text = header();
-  header_size = text.size();
-  out.append(text.data(), text.size());
+  header_size_ = text.size();
+  out_.append(text.data(), text.size());
 }
 
 void PlySink::check(const BeamLog& chunk) const {
   chunk.check();
-  const size_t colours = comments.colours ? kColours.size() : 0;
+  const size_t colours = comments_.colours ? kColours.size() : 0;
   bool same =
-      chunk.extra.size() == extra.size() + colours && has_colours(chunk) == comments.colours;
-  for (const Extra& e : extra) {
+      chunk.extra.size() == extra_.size() + colours && has_colours(chunk) == comments_.colours;
+  for (const Extra& e : extra_) {
     const auto found = chunk.extra.find(e.name);
     same = same && found != chunk.extra.end() && type_of(found->second) == e.type;
   }
@@ -118,7 +118,7 @@ void PlySink::check(const BeamLog& chunk) const {
 // Encodes the columns that every log has; extra columns follow elsewhere.
 void PlySink::encode_beam(const BeamLog& log, size_t i, char* row) {
   const bool hit = log.is_hit(i);
-  const double range = hit ? double(log.range_m[i]) : comments.info.max_range_m;
+  const double range = hit ? double(log.range_m[i]) : comments_.info.max_range_m;
   const Vec3& o = log.origin[i];
   require_data(range >= kMinRange && range < kMaxCoordinate,
                "log: a range is not above 0 and finite");
@@ -130,7 +130,7 @@ void PlySink::encode_beam(const BeamLog& log, size_t i, char* row) {
           "log: a direction is not of length 1");
   for (int c = 0; c < 3; ++c) {
     const double end = rounded(o[c], kOriginScale) - ray[c];
-    if (double_coordinates) {
+    if (double_coordinates_) {
       store(row, end);
       row += 8;
     } else {
@@ -140,7 +140,7 @@ void PlySink::encode_beam(const BeamLog& log, size_t i, char* row) {
   }
   store(row, log.time_s[i]);
   for (int c = 0; c < 3; ++c) store(row + 8 + 4 * c, float(ray[c]));
-  const float shade = std::clamp(std::round(log.intensity[i] * alpha_scale), 1.0f, 255.0f);
+  const float shade = std::clamp(std::round(log.intensity[i] * alpha_scale_), 1.0f, 255.0f);
   const uint8_t alpha = hit ? uint8_t(shade) : uint8_t(0);
   std::memset(row + 20, alpha, 4);
   store(row + 24, log.ring[i]);
@@ -151,20 +151,20 @@ void PlySink::encode_beam(const BeamLog& log, size_t i, char* row) {
 }
 
 void PlySink::encode(const BeamLog& log, size_t begin, size_t n, char* rows_at) {
-  for (size_t i = 0; i < n; ++i) encode_beam(log, begin + i, rows_at + i * row_size);
-  const size_t time_at = double_coordinates ? 24 : 12;
+  for (size_t i = 0; i < n; ++i) encode_beam(log, begin + i, rows_at + i * row_size_);
+  const size_t time_at = double_coordinates_ ? 24 : 12;
   const auto put = [&](const auto& column, size_t offset, auto as) {
     for (size_t i = 0; i < n; ++i) {
-      store(rows_at + i * row_size + offset, decltype(as)(column[begin + i]));
+      store(rows_at + i * row_size_ + offset, decltype(as)(column[begin + i]));
     }
   };
-  if (comments.colours) {
+  if (comments_.colours) {
     for (size_t c = 0; c < kColours.size(); ++c) {
       put(std::get<std::vector<uint8_t>>(log.extra.at(kColours[c])), time_at + 20 + c, uint8_t{});
     }
   }
   size_t offset = time_at + 39;
-  for (const Extra& e : extra) {
+  for (const Extra& e : extra_) {
     std::visit(
         [&](const auto& column) {
           with_type(stored_type(e.type), [&](auto zero) { put(column, offset, zero); });
@@ -175,23 +175,23 @@ void PlySink::encode(const BeamLog& log, size_t begin, size_t n, char* rows_at) 
 }
 
 void PlySink::write(const BeamLog& chunk) {
-  if (header_size == 0) begin(chunk);
+  if (header_size_ == 0) begin(chunk);
   check(chunk);
   for (size_t first = 0; first < chunk.size(); first += kWrittenRows) {
     const size_t n = std::min(kWrittenRows, chunk.size() - first);
-    if (n > room) buffer = std::make_unique_for_overwrite<char[]>((room = n) * row_size);
+    if (n > room_) buffer_ = std::make_unique_for_overwrite<char[]>((room_ = n) * row_size_);
     parallel_for(n, kEncodedRows, [&](size_t from, size_t to) {
-      encode(chunk, first + from, to - from, buffer.get() + from * row_size);
+      encode(chunk, first + from, to - from, buffer_.get() + from * row_size_);
     });
-    out.append(buffer.get(), n * row_size);
+    out_.append(buffer_.get(), n * row_size_);
   }
-  rows += chunk.size();
+  rows_ += chunk.size();
 }
 
 void PlySink::finish(const LogComments& completed) {
-  comments.info = completed.info;
+  comments_.info = completed.info;
   const std::string text = header();
-  out.overwrite(0, text.data(), text.size());
+  out_.overwrite(0, text.data(), text.size());
 }
 
 }  // namespace
