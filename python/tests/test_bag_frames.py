@@ -19,6 +19,7 @@ from underbrush.formats import OptionMissing, Poses, beams, open_recording  # no
 from underbrush.formats.bag import BagRecording  # noqa: E402
 from underbrush.formats.log import inference_of  # noqa: E402
 from underbrush.formats.trajectory import compose, conjugate, from_angles, pose_at, rotate  # noqa: E402
+from underbrush.import_recording import run  # noqa: E402
 
 POINTS, SCANS, START_S = 50, 4, 1.6e9
 LANDMARKS = np.random.default_rng(3).uniform([-20, -20, 0], [20, 20, 5], (POINTS, 3))
@@ -210,3 +211,23 @@ def test_times_that_say_nothing_are_the_stamp_with_a_note(tmp_path: pathlib.Path
     np.testing.assert_allclose(back["time_s"], START_S + np.repeat(0.1 * np.arange(SCANS), POINTS), atol=1e-6)
     said, = recording.notes()
     assert re.search(note, said), said
+
+
+def identity(poses: Poses) -> npt.NDArray[np.float64]:
+    return np.tile([0.0, 0, 0, 1], (len(poses.time_s), 1))
+
+
+@pytest.mark.parametrize(("wrong", "cause"), [
+    (lambda p: p, ""),
+    (lambda p: Poses(p.time_s, 0 * p.position, identity(p)), "are all poses the same"),
+    (lambda p: Poses(p.time_s, 1e3 * p.position, p.rotation), "in mm"),
+    (lambda p: Poses(p.time_s, p.position, identity(p)), "rotations and axes"),
+    (lambda p: Poses(p.time_s, p.position, p.rotation[:, [3, 0, 1, 2]]), "qw qx qy qz"),
+    (lambda p: Poses(p.time_s, -rotate(conjugate(p.rotation), p.position), conjugate(p.rotation)), "inverted")])
+def test_poses_of_bags_are_checked(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str],
+                                   wrong: Callable[[Poses], Poses], cause: str) -> None:
+    drive(tmp_path / "d.bag", tf("odom", "velodyne"), wrong(LIDAR))
+    assert run([str(tmp_path / "d.bag"), "-o", str(tmp_path / "log.ply")]) == 0
+    warned = capsys.readouterr().err.splitlines()
+    assert len(warned) == (1 if cause else 0)
+    assert not cause or cause in warned[0] and warned[0].startswith("underbrush: warning: by the poses")

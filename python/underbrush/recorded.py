@@ -71,7 +71,8 @@ def log_of(recording: str | os.PathLike[str], say: Callable[[str], object],
     with contextlib.suppress(OSError):
         os.utime(place)
     found = json.loads(counts.read_text(encoding="utf-8"))
-    for note in [*(f"{n} records left out: {why}" for why, n in found["skipped"].items()), *found["notes"]]:
+    left_out = [f"{n} records left out: {why}" for why, n in found["skipped"].items()]
+    for note in [*left_out, *found["notes"], *(f"warning: {text}" for text in found["warnings"])]:
         say(f"{recording}: {note}")
     return log
 
