@@ -173,8 +173,7 @@ void bind_log_verbs(nb::module_& m) {
       "Reads a log of any supported format into memory, and writes it to `output` as it is read.");
   nb::class_<pipeline::BeamChecks>(m, "BeamChecks", "Checks of ranges and poses of a log's beams.")
       .def(nb::init<>())
-      .def("add", &pipeline::BeamChecks::add, "beams"_a, nb::call_guard<nb::gil_scoped_release>(),
-           "Takes the next beams of a log.")
+      .def("add", &pipeline::BeamChecks::add, "beams"_a, "Takes the next beams of a log.")
       .def("warnings", &pipeline::BeamChecks::warnings, nb::call_guard<nb::gil_scoped_release>(),
            "Returns what does not fit in the first scans, each with its likely cause.");
   bind_options(m, "SplitOptions", "split", &pipeline::split_options);

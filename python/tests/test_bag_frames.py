@@ -15,6 +15,7 @@ pytest.importorskip("rosbags", reason="rosbags is not installed: pip install 'un
 from bag_messages import ODOMETRY, POSE, Bag, bag  # noqa: E402
 from format_data import end_points, joined  # noqa: E402
 
+import underbrush  # noqa: E402
 from underbrush.formats import OptionMissing, Poses, beams, open_recording  # noqa: E402
 from underbrush.formats.bag import BagRecording  # noqa: E402
 from underbrush.formats.log import inference_of  # noqa: E402
@@ -231,3 +232,23 @@ def test_poses_of_bags_are_checked(tmp_path: pathlib.Path, capsys: pytest.Captur
     warned = capsys.readouterr().err.splitlines()
     assert len(warned) == (1 if cause else 0)
     assert not cause or cause in warned[0] and warned[0].startswith("underbrush: warning: by the poses")
+
+
+def test_clouds_in_another_unit(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Clouds in mm give a warning, and with their unit the same log as clouds in m."""
+    for name, unit in (("m", 1.0), ("mm", 1e3)):
+        with bag(tmp_path / name, "mcap") as out:
+            for time, position, rotation in zip(LIDAR.time_s, LIDAR.position, LIDAR.rotation):
+                tf("odom", "velodyne")(out, time, position, rotation)
+            table = np.zeros(POINTS, [(axis, "<f8") for axis in "xyz"])
+            for axis, column in zip("xyz", 10 * unit * LANDMARKS.T):
+                table[axis] = column
+            out.cloud("/points", START_S, table, "velodyne")
+    assert run([str(tmp_path / "mm"), "-o", str(tmp_path / "long.ply")]) == 0
+    assert "in mm? Then --unit mm" in capsys.readouterr().err
+    (tmp_path / "mm" / "metadata.yaml").unlink()  # As when the recorder dies.
+    logs = []
+    for words in (["m"], ["mm", "--unit", "mm"]):
+        assert run([str(tmp_path / words[0]), *words[1:], "-o", str(tmp_path / "log.ply")]) == 0
+        logs.append(underbrush.read_log(tmp_path / "log.ply"))
+    np.testing.assert_allclose(logs[0].end_points(), logs[1].end_points(), atol=1e-3)

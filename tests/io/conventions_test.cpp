@@ -53,25 +53,6 @@ TEST(PointTimes, UnitIsThatWhichFitsTheScan) {
   EXPECT_NEAR(last_after(0, spread(0, 97000)), 0.097, 1e-9) << "µs, likewise";
 }
 
-TEST(PointTimes, ThoseOfAnotherClockCountFromTheScan) {
-  constexpr double kScan = 1581624663;
-  for (const double first : {2263.0, 30.0, 2.0, 316000.0}) {  // Since the hour, or the week.
-    for (const double unit : {1.0, 1e-6}) {
-      PointTimes times(0.1);
-      std::vector<double> column = spread(first, first + 0.1);
-      for (double& t : column) t /= unit;
-      const std::vector<double> found = times.seconds("f", "timestamp", column, kScan);
-      EXPECT_NEAR(found.front(), kScan, 1e-6) << first;
-      EXPECT_NEAR(found.back(), kScan + 0.1, 1e-6) << first;
-      EXPECT_NE(times.note().find("their clock is another one"), std::string::npos);
-    }
-  }
-  PointTimes same(0.1);
-  EXPECT_NEAR(same.seconds("f", "timestamp", spread(kScan + 3, kScan + 3.1), kScan)[0], kScan + 3,
-              1e-6);
-  EXPECT_NEAR(same.seconds("f", "t", spread(0.2, 0.3), kScan)[0], kScan + 0.2, 1e-6);
-}
-
 TEST(PointTimes, DatesTellTheirUnit) {
   PointTimes times(0.1);
   for (const double unit : {1.0, 1e-3, 1e-6, 1e-9}) {

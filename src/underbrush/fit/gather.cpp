@@ -63,9 +63,10 @@ RangeCut add_returns(BeamSource& source, const Vec3& origin, double min_range_m,
     report.beams += chunk.size();
     if (progress) progress("gather", report.beams, source.size());
   }
-  require_data(2 * farther <= report.hits,
-               "fit: half of the returns are more than 10 km from the sensor: is the log in mm? Then "
-               "import it with --unit mm");
+  require_data(
+      2 * farther <= report.hits,
+      "fit: half of the returns are more than 10 km from the sensor: is the log in mm? Then "
+      "import it with --unit mm");
   report.misses = report.beams - report.hits;
   report.thinned_points = store.thinned();
   report.tiles = store.tiles().size();

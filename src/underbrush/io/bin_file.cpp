@@ -92,8 +92,8 @@ size_t columns_of(const std::string& file, const Values& values) {
                       "columns; then name them, as in --columns x,y,z,intensity,ring");
   }
   // Every second of rows of four columns may be more alike, as of rings that fire in turn.
-  const double next_to_four = std::min({values.unlikeness(5), values.unlikeness(6),
-                                        values.unlikeness(7)});
+  const double next_to_four =
+      std::min({values.unlikeness(5), values.unlikeness(6), values.unlikeness(7)});
   const bool pairs_of_four =
       values.makes_sense(kUsual) && values.unlikeness(kUsual) < kClear * next_to_four;
   std::vector<std::pair<double, size_t>> usual, other;

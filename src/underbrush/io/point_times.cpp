@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kLongestOffset = 100;  // s; a larger time is not an offset within a scan
 constexpr double kLongestScan = 1e4;    // s
-constexpr double kOtherClock = 10, kLateOffset = 1;  // s from a scan's time to its first point's
+constexpr double kOtherClock = 10, kLateOffset = 1;    // s from a scan's time to its first point's
 constexpr double kFirstDate = 1e9, kLastDate = 4.2e9;  // s since 1970: the years 2001 to 2103
 
 struct Unit {

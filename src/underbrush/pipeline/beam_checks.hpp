@@ -20,7 +20,7 @@ class BeamChecks {
   std::vector<std::string> warnings() const;
 
  private:
-  PointScan first_;                     ///< Points at their ranges from the sensor.
+  PointScan first_;                      ///< Points at their ranges from the sensor.
   std::map<uint32_t, PointScan> scans_;  ///< Points in the sensor's frame at the scan's time.
   double max_range_m_ = 0;
 };

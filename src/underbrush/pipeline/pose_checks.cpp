@@ -107,15 +107,23 @@ struct MotionFit {
   double given_m = 0, best_m = 0, given_rad = 0, best_rad = 0;  ///< Mean motion.
 };
 
+/// The turn from the sensor's frame to one whose z axis is that of the world.
+Eigen::Quaterniond upright_of(const ScanInfo& scan) {
+  return Eigen::Quaterniond::FromTwoVectors(
+      scan.world_from_sensor.rotation.inverse() * Vec3::UnitZ(), Vec3::UnitZ());
+}
+
 MotionFit motion_fit(ScanSource& scans, const std::vector<ScanInfo>& infos, size_t ahead) {
   constexpr size_t kPairs = 4, kPoints = 800;
   MotionFit fit;
   for (size_t k = 0; k < kPairs; ++k) {
     const size_t a = k * (infos.size() - ahead) / kPairs;
-    const ScanCells cells(upper_points(scans.read(a), SIZE_MAX));
-    const std::vector<Vec3> later = upper_points(scans.read(a + ahead), kPoints);
-    const Pose given =
-        infos[a].world_from_sensor.inverse() * infos[a + ahead].world_from_sensor;
+    const Eigen::Quaterniond upright = upright_of(infos[a]);
+    const ScanCells cells(upper_points(scans.read(a), upright, SIZE_MAX));
+    const std::vector<Vec3> later = upper_points(scans.read(a + ahead), upright, kPoints);
+    const Pose turn{upright, Vec3::Zero()};
+    const Pose given = turn * infos[a].world_from_sensor.inverse() *
+                       infos[a + ahead].world_from_sensor * turn.inverse();
     const ScanMotion best = best_motion(cells, later);
     fit.given += cells.share_of(later, given) / kPairs;
     fit.best += best.share / kPairs;
@@ -163,8 +171,9 @@ std::string warning_of_overlap(ScanSource& scans, const std::vector<ScanInfo>& i
     const Vec3 way =
         infos[b].world_from_sensor.translation - infos[a].world_from_sensor.translation;
     fast = fast && way.norm() > kFast * double(b - a);
-    const ScanCells cells(upper_points(scans.read(a), SIZE_MAX));
-    const std::vector<Vec3> to = upper_points(scans.read(b), 4000);
+    const Eigen::Quaterniond none = Eigen::Quaterniond::Identity();
+    const ScanCells cells(upper_points(scans.read(a), none, SIZE_MAX));
+    const std::vector<Vec3> to = upper_points(scans.read(b), none, 4000);
     for (size_t k = 0; k < kReadings.size(); ++k) {
       const auto& pose_of = kReadings[k].pose;
       const Pose between =
@@ -237,7 +246,8 @@ std::string warning_of_ground(ScanSource& scans, const std::vector<ScanInfo>& in
            "quaternions' numbers?";
   }
   if (is_better(hanging)) {
-    return "by the poses the ground is above the sensor: does the sensor hang upside down? Then the "
+    return "by the poses the ground is above the sensor: does the sensor hang upside down? Then "
+           "the "
            "poses must turn from its own frame";
   }
   return "";

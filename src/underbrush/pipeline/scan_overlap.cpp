@@ -26,22 +26,22 @@ std::optional<size_t> cell_of(const Vec3& p) {
 
 }  // namespace
 
-std::vector<Vec3> upper_points(const PointScan& scan, size_t most) {
-  const auto is_near = [](const Vec3f& p) {
-    return is_return(p) && p.norm() > kNear && p.norm() < kFar;
-  };
-  std::vector<double> height;
-  for (const Vec3f& p : scan.point) {
-    if (is_near(p)) height.push_back(double(p.z()));
-  }
+std::vector<Vec3> upper_points(const PointScan& scan, const Eigen::Quaterniond& upright,
+                               size_t most) {
   constexpr double kAbove = 0.3;  // m
-  const double least = median(height) + kAbove;
-  const size_t step = std::max<size_t>(1, height.size() / most / 2);
-  std::vector<Vec3> out;
-  size_t n = 0;
+  std::vector<Vec3> near, out;
+  std::vector<double> own, height;
   for (const Vec3f& p : scan.point) {
-    if (is_near(p) && double(p.z()) > least && n++ % step == 0) out.push_back(p.cast<double>());
+    if (!is_return(p) || p.norm() < kNear || p.norm() > kFar) continue;
+    near.push_back(p.cast<double>());
+    own.push_back(near.back().z());
+    height.push_back((upright * near.back()).z());
   }
+  const double least_own = median(own) + kAbove, least = median(height) + kAbove;
+  std::erase_if(near,
+                [&](const Vec3& p) { return p.z() <= least_own || (upright * p).z() <= least; });
+  const size_t step = std::max<size_t>(1, near.size() / most);
+  for (size_t i = 0; i < near.size(); i += step) out.push_back(upright * near[i]);
   return out;
 }
 

@@ -9,9 +9,11 @@
 
 namespace underbrush::pipeline {
 
-/// Returns the upper half of a scan's points within 2 to 40 m, at most `most`, m in the sensor's
-/// frame. Those on flat ground overlap with any motion.
-std::vector<Vec3> upper_points(const PointScan& scan, size_t most);
+/// Returns points of a scan, m in its frame turned by `upright`: about `most` of those within 2 to
+/// 40 m that lie 0.3 m above the median height in both frames. Points on flat ground overlap with
+/// any motion.
+std::vector<Vec3> upper_points(const PointScan& scan, const Eigen::Quaterniond& upright,
+                               size_t most);
 
 /// The cells (0.4 m) within 40 m of a sensor that hold points of its scan.
 class ScanCells {
@@ -29,7 +31,7 @@ class ScanCells {
 /// A motion from one scan to a later one.
 struct ScanMotion {
   Pose pose;         ///< Earlier sensor from later sensor.
-  double share = 0;  ///< Of the later scan's points that lie in cells of the earlier one.
+  double share = 0;  ///< The share of the later scan's points in cells of the earlier one.
 };
 
 /// Returns the level motion with the largest share, of those by up to 4 m forward and to the side
