@@ -37,6 +37,7 @@ void BeamChecks::add(const BeamLog& beams) {
   std::map<uint32_t, size_t> returns, seen;
   for (size_t i = 0; i < beams.size(); ++i) {
     if (beams.is_hit(i)) ++returns[beams.scan[i]];
+    has_misses_ = has_misses_ || !beams.is_hit(i);
   }
   for (const auto& [number, count] : returns) {
     if (scans_.size() > kScans || scans_.contains(number)) continue;
@@ -66,7 +67,7 @@ std::vector<std::string> BeamChecks::warnings() const {
     out.push_back(warning_of_scans(scans, infos));
   }
   out.push_back(warning_of_ranges(first_));
-  out.push_back(warning_of_greatest_range(first_, max_range_m_));
+  if (!has_misses_) out.push_back(warning_of_greatest_range(first_, max_range_m_));
   std::erase(out, "");
   return out;
 }

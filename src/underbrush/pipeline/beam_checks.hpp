@@ -15,14 +15,15 @@ class BeamChecks {
   /// Takes the next beams of a log, of whose scans `info` has the poses.
   void add(const BeamLog& beams);
 
-  /// Returns the warnings of `import_checks.hpp` about the first scan, and those of
-  /// `pose_checks.hpp` about the scans with poses.
+  /// Returns the warnings of `import_checks.hpp` about the first scan, that of the greatest range
+  /// where there are no misses, and those of `pose_checks.hpp` about the scans with poses.
   std::vector<std::string> warnings() const;
 
  private:
   PointScan first_;                      ///< Points at their ranges from the sensor.
   std::map<uint32_t, PointScan> scans_;  ///< Points in the sensor's frame at the scan's time.
   double max_range_m_ = 0;
+  bool has_misses_ = false;
 };
 
 }  // namespace underbrush::pipeline
