@@ -14,6 +14,7 @@
 #include "option_table.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/osi/list_file.hpp"
+#include "underbrush/pipeline/beam_checks.hpp"
 #include "underbrush/pipeline/reports_json.inl"
 #include "underbrush/pipeline/split_log.hpp"
 #include "watched.hpp"
@@ -170,6 +171,11 @@ void bind_log_verbs(nb::module_& m) {
       "import_log", &imported, "source"_a, "options"_a, "output"_a.none(), "provenance"_a,
       "progress"_a.none(),
       "Reads a log of any supported format into memory, and writes it to `output` as it is read.");
+  nb::class_<pipeline::BeamChecks>(m, "BeamChecks", "Checks of ranges and poses of a log's beams.")
+      .def(nb::init<>())
+      .def("add", &pipeline::BeamChecks::add, "beams"_a, "Takes the next beams of a log.")
+      .def("warnings", &pipeline::BeamChecks::warnings, nb::call_guard<nb::gil_scoped_release>(),
+           "Returns what does not fit in the first scans, each with its likely cause.");
   bind_options(m, "SplitOptions", "split", &pipeline::split_options);
   m.def("split", &split, "log"_a, "options"_a, "progress"_a.none(),
         "Splits a log into a part for training and one for tests.");

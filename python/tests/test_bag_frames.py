@@ -15,10 +15,12 @@ pytest.importorskip("rosbags", reason="rosbags is not installed: pip install 'un
 from bag_messages import ODOMETRY, POSE, Bag, bag  # noqa: E402
 from format_data import end_points, joined  # noqa: E402
 
+import underbrush  # noqa: E402
 from underbrush.formats import OptionMissing, Poses, beams, open_recording  # noqa: E402
 from underbrush.formats.bag import BagRecording  # noqa: E402
 from underbrush.formats.log import inference_of  # noqa: E402
 from underbrush.formats.trajectory import compose, conjugate, from_angles, pose_at, rotate  # noqa: E402
+from underbrush.import_recording import run  # noqa: E402
 
 POINTS, SCANS, START_S = 50, 4, 1.6e9
 LANDMARKS = np.random.default_rng(3).uniform([-20, -20, 0], [20, 20, 5], (POINTS, 3))
@@ -210,3 +212,43 @@ def test_times_that_say_nothing_are_the_stamp_with_a_note(tmp_path: pathlib.Path
     np.testing.assert_allclose(back["time_s"], START_S + np.repeat(0.1 * np.arange(SCANS), POINTS), atol=1e-6)
     said, = recording.notes()
     assert re.search(note, said), said
+
+
+def identity(poses: Poses) -> npt.NDArray[np.float64]:
+    return np.tile([0.0, 0, 0, 1], (len(poses.time_s), 1))
+
+
+@pytest.mark.parametrize(("wrong", "cause"), [
+    (lambda p: p, ""),
+    (lambda p: Poses(p.time_s, 0 * p.position, identity(p)), "are all poses the same"),
+    (lambda p: Poses(p.time_s, 1e3 * p.position, p.rotation), "in mm"),
+    (lambda p: Poses(p.time_s, p.position, identity(p)), "rotations and axes"),
+    (lambda p: Poses(p.time_s, p.position, p.rotation[:, [3, 0, 1, 2]]), "qw qx qy qz"),
+    (lambda p: Poses(p.time_s, -rotate(conjugate(p.rotation), p.position), conjugate(p.rotation)), "inverted")])
+def test_poses_of_bags_are_checked(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str],
+                                   wrong: Callable[[Poses], Poses], cause: str) -> None:
+    drive(tmp_path / "d.bag", tf("odom", "velodyne"), wrong(LIDAR))
+    assert run([str(tmp_path / "d.bag"), "-o", str(tmp_path / "log.ply")]) == 0
+    warned = capsys.readouterr().err.splitlines()
+    assert len(warned) == (1 if cause else 0)
+    assert not cause or cause in warned[0] and warned[0].startswith("underbrush: warning: by the poses")
+
+
+def test_clouds_in_another_unit(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Clouds in mm give a warning, and with their unit the same log as clouds in m."""
+    for name, unit in (("m", 1.0), ("mm", 1e3)):
+        with bag(tmp_path / name, "mcap") as out:
+            for time, position, rotation in zip(LIDAR.time_s, LIDAR.position, LIDAR.rotation):
+                tf("odom", "velodyne")(out, time, position, rotation)
+            table = np.zeros(POINTS, [(axis, "<f8") for axis in "xyz"])
+            for axis, column in zip("xyz", 10 * unit * LANDMARKS.T):
+                table[axis] = column
+            out.cloud("/points", START_S, table, "velodyne")
+    assert run([str(tmp_path / "mm"), "-o", str(tmp_path / "long.ply")]) == 0
+    assert "in mm? Then --unit mm" in capsys.readouterr().err
+    (tmp_path / "mm" / "metadata.yaml").unlink()  # As when the recorder dies.
+    logs = []
+    for words in (["m"], ["mm", "--unit", "mm"]):
+        assert run([str(tmp_path / words[0]), *words[1:], "-o", str(tmp_path / "log.ply")]) == 0
+        logs.append(underbrush.read_log(tmp_path / "log.ply"))
+    np.testing.assert_allclose(logs[0].end_points(), logs[1].end_points(), atol=1e-3)

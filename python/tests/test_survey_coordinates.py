@@ -87,7 +87,7 @@ def test_a_unit_that_a_user_names(tmp_path: pathlib.Path) -> None:
     recording = open_recording(tmp_path / "a.las", unit="ft")
     np.testing.assert_allclose(end_points(next(beams(recording, position=tuple(PLACE / FOOT)))), walls(), atol=1e-3)
     (tmp_path / "a.xyz").write_text("1.0 2.0 3.0 45.6 4.5 1 1 7 12 2 100.0001\n")
-    with pytest.raises(ValueError, match="--unit is for LAS and LAZ files"):
+    with pytest.raises(ValueError, match="--unit is for bags, LAS and LAZ files"):
         open_recording(tmp_path / "a.xyz", unit="ft")
 
 

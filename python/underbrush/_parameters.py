@@ -171,7 +171,7 @@ class ImportParameters(TypedDict, total=False):
     label_set: str  #: Label set of the column class (default: semantickitti for .label files).
     keep: str  #: Read only the points with this value of a column, such as first returns: target_index=1.
     columns: str  #: Names of the columns, for .bin and text files without a header: x,y,z,intensity,ring.
-    unit: str  #: Unit of the coordinates of scans (default m).
+    unit: str  #: Unit of the coordinates (default m).
     assets: str | os.PathLike[str]  #: Folder with the files of a survey of HELIOS++, besides the folder of the survey.
     frames: str  #: Scans to read, by number, half-open: A:B or A:B:STEP.
     deskew: str  #: Compute a pose for every beam from the timing of this sensor, for raw scans.

@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from underbrush._core import LogWriter, check_outputs, set_threads, version
+from underbrush._core import BeamChecks, LogWriter, check_outputs, set_threads, version
 from underbrush.errors import FormatError, failed
 from underbrush.formats.import_options import parsed
 
@@ -64,10 +64,13 @@ def write(options: argparse.Namespace, recording: Recording, provenance: str) ->
         info.max_range_m = options.max_range
     if options.label_set:
         info.classes = options.label_set
+    checks = BeamChecks()
     measured = not options.max_range and not info.sensor  # The maximum range of the sensor is not known.
     with LogWriter(options.output, info, provenance, not options.float, measured) as writer:
         for chunk in chunks:
             writer.write(chunk)
+            if info.scans:  # A survey has none, and an aircraft's ranges are long.
+                checks.add(chunk)
             rows += len(chunk)
             hits += int((chunk.range_m < float("inf")).sum())
             progress(recording.bytes_done, rows)
@@ -81,7 +84,7 @@ def write(options: argparse.Namespace, recording: Recording, provenance: str) ->
             f" (see --infer-misses {recording.sensor or 'SENSOR'})" if hasattr(recording, "scan_times") else ""))
     return {"rows": rows, "hits": hits, "misses": rows - hits, "misses_inferred": infer.inferred if infer else 0,
             "unknown": infer.unknown if infer else 0, "skipped": dict(recording.skipped), "seconds": seconds,
-            "points_per_s": rows / max(seconds, 1e-9), "notes": notes}
+            "points_per_s": rows / max(seconds, 1e-9), "notes": notes, "warnings": checks.warnings()}
 
 
 def nothing_in(recording: Recording, clock: str) -> str:
@@ -107,6 +110,9 @@ def write_json(path: str, values: dict[str, object]) -> None:
 
 def report(options: argparse.Namespace, counts: dict[str, object], say: Callable[[str], None]) -> None:
     """Prints the counts, and writes them as JSON if asked to."""
+    warnings = counts["warnings"] if isinstance(counts["warnings"], list) else []
+    for warning in warnings:
+        print(f"underbrush: warning: {warning}", file=sys.stderr)
     if options.json == "-":
         say(json.dumps(counts))
         return

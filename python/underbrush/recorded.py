@@ -22,7 +22,16 @@ RECORDINGS = (".bag", ".mcap", ".db3", ".las", ".laz", ".pcap", ".pcapng", ".e57
 def is_recording(name: str | os.PathLike[str]) -> bool:
     """Whether the package's readers, and not the program, read the file or folder (a ROS 2 bag is a folder)."""
     path = pathlib.Path(name)
-    return path.name.lower().endswith(RECORDINGS) or (path / "metadata.yaml").is_file() or _is_numpy_log(path)
+    is_folder = (path / "metadata.yaml").is_file() or bag_in(path) != path
+    return path.name.lower().endswith(RECORDINGS) or is_folder or _is_numpy_log(path)
+
+
+def bag_in(path: pathlib.Path) -> pathlib.Path:
+    """The one bag file of a folder whose metadata.yaml is missing, as when the recorder dies; else the path."""
+    if not path.is_dir() or (path / "metadata.yaml").exists():
+        return path
+    files = [file for file in path.iterdir() if file.suffix in (".mcap", ".db3") and not file.name.startswith(".")]
+    return files[0] if len(files) == 1 else path
 
 
 def _is_numpy_log(path: pathlib.Path) -> bool:
@@ -71,7 +80,8 @@ def log_of(recording: str | os.PathLike[str], say: Callable[[str], object],
     with contextlib.suppress(OSError):
         os.utime(place)
     found = json.loads(counts.read_text(encoding="utf-8"))
-    for note in [*(f"{n} records left out: {why}" for why, n in found["skipped"].items()), *found["notes"]]:
+    left_out = [f"{n} records left out: {why}" for why, n in found["skipped"].items()]
+    for note in [*left_out, *found["notes"], *(f"warning: {text}" for text in found["warnings"])]:
         say(f"{recording}: {note}")
     return log
 

@@ -210,6 +210,14 @@ class Program(Cases):
     def test_time_offset_time(self):
         self.drive("offset_time", 1e-9)
 
+    def test_times_of_another_name(self):
+        """A column of times whose name is not known is named."""
+        with tempfile.TemporaryDirectory() as folder:
+            for file in (HERE / "time_ms/drive").iterdir():
+                pathlib.Path(folder, file.name).write_bytes(file.read_bytes().replace(b" time", b" curv", 1))
+            self.run_case("import", folder, "--deskew", "velodyne-vlp16", "-o", "OUT/log.ply")
+            self.rows("the points have no times (not known as times: curv)")
+
     def test_units_mm(self):
         self.run_case("import", "mm_i2.pcd", "-o", "OUT/log.ply")
         self.rows("underbrush: warning", "--unit mm")

@@ -55,16 +55,58 @@ class Warnings(cli_test.Failing):
                          r"the next one has some, and (9\d|100) % if they are inverted: are they sensor from world\?\n\Z")
         self.assertEqual(len(json.loads(done.stdout)["warnings"]), 1)
 
-    def test_poses_that_stand_while_the_scans_move(self):
-        self.write_drive(turn=0, bend=0, step=1.2)
-        (self.folder / "still.txt").write_text("1 0 0 0 0 1 0 0 0 0 1 0\n" * 10)
-        done = self.call("import", ".", "--poses", "still.txt", "-o", "log.ply")
-        self.assertRegex(done.stderr, r"\Aunderbrush: warning: by the poses the sensor stands still, and .* % if it moves by "
-                         r"1\.2 m from scan to scan: are all poses the same\?\n\Z")
+    def test_poses_whose_motion_is_not_that_of_the_scans(self):
+        """All of one place, in km, without rotations, with axes swapped, and of another lag."""
+        self.write_drive(turn=0.03, bend=0.02, step=1.2)
+        rows = [list(map(float, line.split())) for line in (self.folder / "right.txt").read_text().splitlines()]
+
+        def warned(of_row, cause):
+            (self.folder / "wrong.txt").write_text("".join(" ".join(map(str, of_row(row))) + "\n" for row in rows))
+            done = self.call("import", ".", "--poses", "wrong.txt", "-o", "log.ply")
+            self.assertRegex(done.stderr, rf"\Aunderbrush: warning: by the poses the sensor {cause}.*: are .*\n\Z")
+            self.assertRegex(done.stderr, r"[0-9]+ % if it moves by 1\.2 m and turns by 2°:|3\.\d m and turns by 5°")
+
+        unturned = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0]
+        warned(lambda row: unturned, "stands still")
+        warned(lambda row: [v / 1000 if k % 4 == 3 else v for k, v in enumerate(row)], "stands still")
+        warned(lambda row: [row[k] if k % 4 == 3 else v for k, v in enumerate(unturned)], "moves by")
+        warned(lambda row: [*row[:3], row[7], *row[4:7], row[3], *row[8:]], "moves by")
+        warned(lambda row: [row[0], row[4], row[8], row[3], row[1], row[5], row[9], row[7], *row[8:]], "moves by")
         scan = (self.folder / "velodyne/000000.bin").read_bytes()
         for k in range(10):
             (self.folder / f"velodyne/{k:06}.bin").write_bytes(scan)
+        (self.folder / "still.txt").write_text("1 0 0 0 0 1 0 0 0 0 1 0\n" * 10)
         self.assertEqual(self.call("import", ".", "--poses", "still.txt", "-o", "log.ply").stderr, "")
+
+    def test_a_sensor_that_hangs_upside_down(self):
+        """Poses that have the turn are right; those without it have the ground above the sensor."""
+        (self.folder / "velodyne").mkdir()
+        for k in range(2):
+            points = [(0.5 * i, 0.5 * j, 1.8) for i in range(-20, 20) for j in range(-20, 20)]
+            points += [(5 - k, -7, 1.8 - 0.1 * i) for i in range(30)]
+            (self.folder / f"velodyne/{k:06}.bin").write_bytes(b"".join(struct.pack("<4f", *p, 0.5) for p in points))
+        for turn, said in (("1 0 0 {} 0 -1 0 0 0 0 -1 0\n", ""), ("1 0 0 {} 0 1 0 0 0 0 1 0\n", "hang upside down?")):
+            (self.folder / "poses.txt").write_text("".join(turn.format(k) for k in range(2)))
+            done = self.call("import", ".", "--poses", "poses.txt", "-o", "log.ply")
+            self.assertEqual(done.stderr.count("\n"), len(said) > 0, done.stderr)
+            self.assertIn(said, done.stderr)
+
+    def test_a_log_in_another_unit(self):
+        """Its rays are as long in m once it is imported with its unit, and a warning names the option."""
+        rows = [NAMES] + [f"{15000 + 10 * k},{k % 16},1000,0,0,2000,1,{k * 1e-5:.6f},0.5,{k % 16},0,{k // 16},0"
+                          for k in range(640)]
+        (self.folder / "mm.csv").write_text("\n".join(rows) + "\n")
+        done = self.call("import", "mm.csv", "-o", "long.ply")
+        self.assertIn("in mm? Then --unit mm", done.stderr)
+        self.call("import", "mm.csv", "--unit", "mm", "-o", "right.ply")
+        self.call("import", "long.ply", "--unit", "mm", "-o", "again.ply")
+        done = cli_test.call("fit", "long.ply", "-o", "model", cwd=self.folder)
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (3, 1), done.stderr)
+        self.assertIn("--unit mm", done.stderr)
+        long, right, again = (json.loads(self.call("info", f"{name}.ply", "--json", "-").stdout)
+                              for name in ("long", "right", "again"))
+        self.assertAlmostEqual(long["range_m"]["p50"], 1000 * right["range_m"]["p50"], delta=20)
+        self.assertAlmostEqual(again["range_m"]["p50"], right["range_m"]["p50"], delta=0.02)
 
     def write_log(self, firings, name, *words):
         """Makes a log of ground and of a hedge 10 to 20 m away with gaps (seed 3). Returns the ranges, 0 of a miss."""

@@ -56,7 +56,7 @@ TEST(PointTimes, UnitIsThatWhichFitsTheScan) {
 TEST(PointTimes, DatesTellTheirUnit) {
   PointTimes times(0.1);
   for (const double unit : {1.0, 1e-3, 1e-6, 1e-9}) {
-    const auto found = times.seconds("f", "t", spread(1.6e9 / unit, (1.6e9 + 0.1) / unit), 0);
+    const auto found = times.seconds("f", "t", spread(1.6e9 / unit, (1.6e9 + 0.1) / unit), 1.6e9);
     EXPECT_NEAR(found[0], 1.6e9, 1e-3);
     EXPECT_NEAR(found[100] - found[0], 0.1, 1e-5);
   }
@@ -165,6 +165,13 @@ TEST(BinFile, ValuesTellTheColumns) {
     EXPECT_EQ(table.size(), 600u);
     EXPECT_EQ(table.notes.empty(), columns == 4);
   }
+  std::string in_turn;  // A near and a far ring fire in turn.
+  for (int k = 0; k < 600; ++k) {
+    const float a = 0.01f * float(k), r = k % 2 ? 20.0f + a : 5.0f;
+    for (const float v : {r * std::cos(a), r * std::sin(a), -1.8f, 0.0f}) add(in_turn, v);
+  }
+  put_bytes(folder / "a.bin", in_turn);
+  EXPECT_EQ(read_bin(folder / "a.bin").size(), 600u);
   put_bytes(folder / "a.bin", floats_of(5));
   EXPECT_EQ(read_bin(folder / "a.bin", {"x", "y", "z"}).size(), 1000u);
   EXPECT_THROW(read_bin(folder / "a.bin", {"x", "y", "z", "a", "b", "c", "d"}), FormatError);
@@ -277,14 +284,14 @@ TEST(Scans, FloatsHaveSteps) {
 
 TEST(RayCloud, NormalsAreNoRays) {
   const TemporaryFolder folder;
-  const auto read = [&](double shortest, double longest) {
+  const auto read = [&](double shortest, double longest, int none = 0) {
     std::string s =
         "ply\nformat binary_little_endian 1.0\nelement vertex 100\nproperty double x\nproperty "
         "double y\n"
         "property double z\nproperty double time\nproperty float nx\nproperty float ny\n"
         "property float nz\nend_header\n";
     for (int k = 0; k < 100; ++k) {
-      const double length = shortest + (longest - shortest) * k / 99;
+      const double length = k < none ? 0 : shortest + (longest - shortest) * k / 99;
       for (const double v : {double(k), 0.0, 0.0, double(k)}) add(s, v);
       for (const double v : {0.0, 0.6, 0.8}) add(s, float(v * length));
     }
@@ -294,6 +301,7 @@ TEST(RayCloud, NormalsAreNoRays) {
   for (const auto& [shortest, longest] : {std::pair(1.0, 1.0), {0.993, 1.006}, {0.75, 1.0}}) {
     EXPECT_NE(read(shortest, longest).find("normals"), std::string::npos) << shortest;
   }
+  EXPECT_NE(read(1, 1, 40).find("normals"), std::string::npos) << "normals that are not known";
   EXPECT_EQ(read(0.1, 1.0), "") << "a short range";
   EXPECT_EQ(read(0.9, 1.5), "");
 }

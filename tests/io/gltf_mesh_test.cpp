@@ -119,26 +119,28 @@ TEST_F(Gltf, WhatIsWrongIsRefused) {
     EXPECT_NE(at, std::string::npos) << from;
     return text.replace(at, from.size(), to);
   };
-  for (const std::string& text : {std::string(),
-                                  std::string("{}"),
-                                  std::string("[1]"),
-                                  std::string("glTF"),
-                                  replaced(R"("count":4)", R"("count":5)"),
-                                  replaced(R"("count":6)", R"("count":7)"),
-                                  replaced(R"("count":4)", R"("count":3)"),
-                                  replaced("5126", "5123"),
-                                  replaced("5123", "5126"),
-                                  replaced(R"("nodes":[0])", R"("nodes":[4])"),
-                                  replaced(R"([{"mesh":0}])", R"([{"mesh":3}])"),
-                                  replaced(R"([{"mesh":0}])", R"([{"children":[0]}])"),
-                                  replaced(R"("bufferView":1)", R"("bufferView":9)"),
-                                  replaced(R"("byteOffset":48)", R"("byteOffset":49)"),
-                                  replaced(R"("byteLength":60)", R"("byteLength":600)"),
-                                  replaced(R"("indices":1)", R"("indices":7)"),
-                                  gltf(R"("uri":"none.bin",)", node),
-                                  gltf(R"("uri":"../outside.bin",)", node),
-                                  gltf(R"("uri":"/etc/passwd",)", node),
-                                  gltf(inlined(square(INFINITY)), node)}) {
+  for (const std::string& text :
+       {std::string(),
+        std::string("{}"),
+        std::string("[1]"),
+        std::string("glTF"),
+        replaced(R"("count":4)", R"("count":5)"),
+        replaced(R"("count":6)", R"("count":7)"),
+        replaced(R"("count":4)", R"("count":3)"),
+        replaced("5126", "5123"),
+        replaced("5123", "5126"),
+        replaced(R"("nodes":[0])", R"("nodes":[4])"),
+        replaced(R"([{"mesh":0}])", R"([{"mesh":3}])"),
+        replaced(R"([{"mesh":0}])", R"([{"children":[0]}])"),
+        replaced(R"("bufferView":1)", R"("bufferView":9)"),
+        replaced(R"("byteOffset":48)", R"("byteOffset":49)"),
+        replaced(R"("byteLength":60)", R"("byteLength":600)"),
+        replaced(R"("indices":1)", R"("indices":7)"),
+        replaced(R"({"mesh":0})", R"({"mesh":0,"extensions":{"EXT_mesh_gpu_instancing":{}}})"),
+        gltf(R"("uri":"none.bin",)", node),
+        gltf(R"("uri":"../outside.bin",)", node),
+        gltf(R"("uri":"/etc/passwd",)", node),
+        gltf(inlined(square(INFINITY)), node)}) {
     EXPECT_THROW(read("bad.gltf", text), FormatError) << text;
   }
 }

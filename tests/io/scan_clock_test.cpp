@@ -6,7 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "temporary.hpp"
+#include "underbrush/core/check.hpp"
 #include "underbrush/core/rng.hpp"
+#include "underbrush/io/point_times.hpp"
+#include "underbrush/io/poses.hpp"
 
 namespace underbrush::io {
 namespace {
@@ -153,6 +157,49 @@ TEST(ScanClock, TheMotionTellsToWhichTimesThePosesBelong) {
   EXPECT_TRUE(poses_follow_clock(drive(truth, given), clock->time_s));
   EXPECT_FALSE(poses_follow_clock(drive(given, given), clock->time_s));
   EXPECT_THROW(poses_follow_clock(drive(truth, given), {}), std::invalid_argument);
+}
+
+TEST(PoseColumns, AnglesAreTurnsAboutXThenYThenZ) {
+  const TemporaryFolder folder;
+  for (const bool radians : {false, true}) {
+    const std::string unit = radians ? " [rad]" : "",
+                      quarter = radians ? "1.5707963267948966" : "90";
+    put_bytes(folder / "p", "GPSTime,Easting,Northing,Height,vel_east,roll" + unit +
+                                ",pitch,yaw\n" + "7,1,2,3,9," + quarter + ",0," + quarter + "\n");
+    const PoseList poses = read_poses(folder / "p");
+    ASSERT_EQ(poses.pose.size(), 1u);
+    EXPECT_EQ(poses.time_s[0], 7);
+    EXPECT_LT((poses.pose[0] * Vec3(1, 0, 0) - Vec3(1, 3, 3)).norm(), 1e-9);
+    EXPECT_LT((poses.pose[0] * Vec3(0, 1, 0) - Vec3(1, 2, 4)).norm(), 1e-9);
+    EXPECT_EQ(poses.notes.size(), 1u);
+  }
+  put_bytes(folder / "p", "t,x,y,z,roll,pitch,heading\n7,1,2,3,0,0,0\n");
+  EXPECT_THROW(read_poses(folder / "p"), FormatError) << "a heading turns the other way";
+}
+
+/// 101 times in even steps.
+std::vector<double> even_times(double first, double last) {
+  std::vector<double> out;
+  for (int k = 0; k <= 100; ++k) out.push_back(first + (last - first) * k / 100);
+  return out;
+}
+
+TEST(PointTimes, ThoseOfAnotherClockCountFromTheScan) {
+  constexpr double kScan = 1581624663;
+  for (const double first : {2263.0, 30.0, 2.0, 316000.0}) {  // Since the hour, or the week.
+    for (const double unit : {1.0, 1e-6}) {
+      PointTimes times(0.1);
+      const auto found =
+          times.seconds("f", "t", even_times(first / unit, (first + 0.1) / unit), kScan);
+      EXPECT_NEAR(found.front(), kScan, 1e-6) << first;
+      EXPECT_NEAR(found.back(), kScan + 0.1, 1e-6) << first;
+      EXPECT_NE(times.note().find("their clock is another one"), std::string::npos);
+    }
+  }
+  PointTimes same(0.1);
+  EXPECT_NEAR(same.seconds("f", "t", even_times(kScan + 3, kScan + 3.1), kScan)[0], kScan + 3,
+              1e-6);
+  EXPECT_NEAR(same.seconds("f", "t", even_times(0.2, 0.3), kScan)[0], kScan + 0.2, 1e-6);
 }
 
 }  // namespace

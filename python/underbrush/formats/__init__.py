@@ -53,18 +53,22 @@ def open_recording(path: PathLike, *, topic: str | None = None, poses: PathLike 
 
     `topic`, `frame` and `clock` select what is read of a ROS recording (see `BagRecording`); for packet captures
     `topic` is the stream, for E57 the station. `metadata` and `sensor` determine how packets are decoded. `poses` is a
-    file of poses (see `read_poses`) or a topic. `unit` (m, cm, mm, ft) is that of a LAS file's coordinates, by default
-    its CRS's. Raises `FormatError` where the file cannot be read, `OptionMissing` where an option is needed,
+    file of poses (see `read_poses`) or a topic. `unit` (m, cm, mm, ft) is that of the coordinates of a bag's clouds, by
+    default m, or of a LAS file, by default its CRS's. Raises `FormatError` where the file cannot be read, `OptionMissing` where an option is needed,
     `ImportError` where a library is, and `OSError`.
     """
+    from ..recorded import bag_in
+    from .las_units import UNITS
+
+    path = bag_in(pathlib.Path(path))
     kind = kind_of(path)
     recording: Any
-    if unit and kind != "las":
-        raise ValueError(f"{path}: --unit is for LAS and LAZ files")
+    if unit and kind not in ("las", "bag"):
+        raise ValueError(f"{path}: --unit is for bags, LAS and LAZ files")
     if kind == "bag":
         from .bag import BagRecording
         return BagRecording(path, topic=topic or None, frame=frame or None, poses=poses or None, clock=clock,
-                            metadata=metadata or None, sensor=sensor or None)
+                            metadata=metadata or None, sensor=sensor or None, unit_m=UNITS[unit] if unit else 1.0)
     if kind == "las":
         from .las import LasRecording
         recording = LasRecording(path, unit=unit)

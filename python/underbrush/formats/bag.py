@@ -59,7 +59,8 @@ class BagRecording:
 
     def __init__(self, path: PathLike, *, topic: str | None = None, frame: str | None = None,
                  poses: PathLike | None = None, clock: str = "stamp", metadata: PathLike | None = None,
-                 sensor: str | None = None) -> None:
+                 sensor: str | None = None, unit_m: float = 1.0) -> None:
+        self.unit_m = unit_m
         self.path, self.frame, self.clock = pathlib.Path(path), frame, clock
         if clock not in ("stamp", "bag"):
             raise ValueError(f"no clock '{clock}': stamp or bag")
@@ -327,6 +328,8 @@ class BagRecording:
 
     def _scan(self, points: npt.NDArray[np.void], stamp: float, number: int) -> tuple[Scan, str]:
         scan, layout = scan_from_points(points, stamp, number, self.skipped, self._times)
+        if scan.xyz is not None:
+            scan = dataclasses.replace(scan, xyz=self.unit_m * scan.xyz)
         times = scan.beam_time_s
         if times is not None and len(times) and np.isfinite(times[0]) and abs(times[0] - stamp) > _JUMP_S:
             times += stamp - float(np.nanmin(times))  # The sensor's clock is not the messages'.

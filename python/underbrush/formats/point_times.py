@@ -11,6 +11,7 @@ Floats = npt.NDArray[np.float64]
 
 _LONGEST_OFFSET_S = 100.0  # A larger time is not an offset within a scan but absolute.
 _DATES_S = (1e9, 4.2e9)  # Seconds since 1970: the years 2001 to 2103.
+_LONGEST_SCAN_S = 1e4
 _ENOUGH = 20  # Points of a scan; fewer do not determine the unit.
 _UNITS = (("ns", 1e-9), ("µs", 1e-6), ("ms", 1e-3), ("s", 1.0))
 
@@ -46,7 +47,7 @@ class PointTimes:
             return self._unit
         whole = usual == 1e-9
         for _, unit in _UNITS:
-            is_date = _DATES_S[0] < low * unit < _DATES_S[1]
+            is_date = _DATES_S[0] < low * unit < _DATES_S[1] and span * unit < _LONGEST_SCAN_S
             if is_date and (not whole or unit == usual or self._fits(span * unit, False)):
                 return unit
         if self._unit or span == 0 or count < _ENOUGH:

@@ -91,9 +91,14 @@ size_t columns_of(const std::string& file, const Values& values) {
                       "a point is 16 bytes, the file ends inside one: truncated, or not of 4 "
                       "columns; then name them, as in --columns x,y,z,intensity,ring");
   }
+  // Every second of rows of four columns may be more alike, as of rings that fire in turn.
+  const double next_to_four =
+      std::min({values.unlikeness(5), values.unlikeness(6), values.unlikeness(7)});
+  const bool pairs_of_four =
+      values.makes_sense(kUsual) && values.unlikeness(kUsual) < kClear * next_to_four;
   std::vector<std::pair<double, size_t>> usual, other;
   for (size_t k = kFewest; k <= kMost; ++k) {
-    if (values.size() % k != 0) continue;
+    if (values.size() % k != 0 || (k == 2 * kUsual && pairs_of_four)) continue;
     const bool known = k >= kUsual && k <= usual_names().size() && values.makes_sense(k);
     (known ? usual : other).emplace_back(values.unlikeness(k), k);
   }

@@ -142,6 +142,8 @@ class GltfReader {
     if (seen_[k]) fail("nodes", "number " + std::to_string(k) + " has two parents");
     seen_[k] = true;
     const tinygltf::Node& n = model_.nodes[k];
+    constexpr const char* kInstances = "EXT_mesh_gpu_instancing";
+    if (n.extensions.count(kInstances)) fail(kInstances, "is not supported: give each a node");
     const Eigen::Affine3d here = parent * transform_of(n);
     if (n.mesh >= 0) {
       for (const auto& p : model_.meshes[at(n.mesh, model_.meshes.size(), "meshes")].primitives) {

@@ -101,7 +101,6 @@ class Opener {
   }
 
   void open_log() {
-    require(options_.unit_m == 1, "import: --unit is for scans: this log has origins");
     auto reader = std::make_unique<LogReader>(path_);
     input_.provenance = reader->provenance();
     input_.skipped = [raw = reader.get()] { return raw->skipped(); };
@@ -112,7 +111,6 @@ class Opener {
   void open_csv() {
     Table table = read_csv(path_, options_.columns);
     if (!has_origins(table)) return open_scan(std::move(table));
-    require(options_.unit_m == 1, "import: --unit is for scans: this log has origins");
     std::map<std::string, size_t> skipped;
     input_.beams =
         std::make_unique<LogInMemory>(beams_from_table(path_.string(), std::move(table), skipped));

@@ -153,7 +153,7 @@ void PlyRows::look_through() {
   const size_t pieces = (rows_ + kDecodedRows - 1) / kDecodedRows;
   std::vector<double> longest(pieces, 0);
   std::vector<uint8_t> misses(pieces, 0);
-  std::vector<size_t> unit(pieces, 0);  // rays of about 1 m
+  std::vector<size_t> unit(pieces, 0), none(pieces, 0);  // rays of about 1 m; without a length
   parallel_for(rows_, kDecodedRows, [&](size_t begin, size_t finish) {
     std::vector<char> bytes((finish - begin) * row_size_);
     input_.read(header_.body + uint64_t(begin) * row_size_, bytes.data(), bytes.size());
@@ -162,6 +162,7 @@ void PlyRows::look_through() {
       if (!(length < kMaxCoordinate)) continue;
       longest[begin / kDecodedRows] = std::max(longest[begin / kDecodedRows], length);
       unit[begin / kDecodedRows] += length > kAveraged;
+      none[begin / kDecodedRows] += length < kMinRange;
       if (alpha_ && row[alpha_->offset] == 0) misses[begin / kDecodedRows] = 1;
     }
   });
@@ -172,8 +173,9 @@ void PlyRows::look_through() {
     throw FormatError(input_.name(), "element vertex", "no ray has a length");
   }
   constexpr size_t kEnough = 20;
-  const double unit_rays = double(std::accumulate(unit.begin(), unit.end(), size_t(0)));
-  if (rows_ >= kEnough && unit_rays > kMost * double(rows_) &&
+  const size_t unit_rays = std::accumulate(unit.begin(), unit.end(), size_t(0));
+  const size_t rays = rows_ - std::accumulate(none.begin(), none.end(), size_t(0));
+  if (rays >= kEnough && double(unit_rays) > kMost * double(rays) &&
       comments.info.max_range_m < kLongestNormal) {
     throw FormatError(input_.name(), "element vertex",
                       "nx ny nz are all about 1 m long: they are normals, not rays to the sensor; "

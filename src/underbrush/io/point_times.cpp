@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kLongestOffset = 100;  // s; a larger time is not an offset within a scan
 constexpr double kLongestScan = 1e4;    // s
+constexpr double kOtherClock = 10, kLateOffset = 1;    // s from a scan's time to its first point's
 constexpr double kFirstDate = 1e9, kLastDate = 4.2e9;  // s since 1970: the years 2001 to 2103
 
 struct Unit {
@@ -67,7 +68,7 @@ double PointTimes::unit_of(const std::string& file, const std::string& name, boo
   const double usual = whole ? 1e-9 : 1;
   for (const Unit& unit : kUnits) {  // The unit of dates follows from their size.
     const double date = values.low * unit.seconds, span = values.span * unit.seconds;
-    const bool is_date = date > kFirstDate && date < kLastDate;
+    const bool is_date = date > kFirstDate && date < kLastDate && span < kLongestScan;
     if (is_date && (!whole || unit.seconds == usual || fits(span, false))) return unit.seconds;
   }
   constexpr size_t kEnoughToTell = 20;
@@ -114,7 +115,18 @@ std::vector<double> PointTimes::seconds(const std::string& file, const std::stri
   const bool whole = type_of(column) < ValueType::kF32 || std::max(-low, high) > 1e15;
   const double unit = unit_of(file, name, whole, {low, high - low, count});
   const bool absolute = std::max(-low, high) * unit > kLongestOffset;
-  for (double& t : time) t = t * unit + (absolute ? 0 : scan_time_s);
+  double begin = absolute ? 0 : scan_time_s;
+  const double early = low * unit + begin - scan_time_s;  // The first point after the scan's time.
+  if (period_s_ > 0 && high > low && std::abs(early) > (absolute ? kOtherClock : kLateOffset)) {
+    begin -= early;
+    if (!own_clock_) {
+      note_ += note_.empty() ? "the points' times (" + name + ")" : ", and";
+      note_ += " count from the scan's time, since their clock is another one: the first is " +
+               text_of(low * unit) + " s";
+    }
+    own_clock_ = true;
+  }
+  for (double& t : time) t = t * unit + begin;
   return time;
 }
 

@@ -21,8 +21,10 @@ class PointTimes {
   /// `period_s` is the spacing of the scans, s; 0 = not known.
   explicit PointTimes(double period_s = 0) : period_s_(period_s) {}
 
-  /// Returns times in s: those beyond 100 s are absolute, others count from `scan_time_s`. Throws
-  /// `FormatError` where no unit fits.
+  /// Returns times in s: those beyond 100 s are absolute, others count from `scan_time_s`. Where
+  /// the period is known and the first time is absolute and more than 10 s from `scan_time_s`, or
+  /// is not and is more than 1 s from it, the sensor has a clock of its own, such as µs since the
+  /// hour, and the first time is that of the scan. Throws `FormatError` where no unit fits.
   std::vector<double> seconds(const std::string& file, const std::string& name,
                               const ExtraColumn& column, double scan_time_s);
   /// The assumption that was made; empty where the unit is the usual one.
@@ -37,6 +39,7 @@ class PointTimes {
   double unit_of(const std::string& file, const std::string& name, bool whole, Span values);
 
   double period_s_, unit_s_ = 0;
+  bool own_clock_ = false;
   std::string note_;
 };
 

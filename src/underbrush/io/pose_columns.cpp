@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <numeric>
 #include <string>
 #include <vector>
 
+#include "underbrush/core/pose.hpp"
 #include "underbrush/io/text.hpp"
 
 namespace underbrush::io {
@@ -64,6 +66,32 @@ size_t meaning_of(const std::string& name) {
   return axis == 3 || (turns && name.size() > 1) ? 4 + axis : 1 + axis;
 }
 
+/// The columns of t x y z roll pitch yaw; nothing where they are not all named once.
+std::optional<std::array<size_t, 7>> angle_columns_of(const std::vector<std::string>& names) {
+  const std::array<std::vector<const char*>, 7> kNames{{{},
+                                                        {"easting", "east"},
+                                                        {"northing", "north"},
+                                                        {"height", "altitude", "alt", "elevation"},
+                                                        {"roll"},
+                                                        {"pitch"},
+                                                        {"yaw"}}};
+  std::array<size_t, 7> columns{};
+  columns.fill(names.size());
+  for (size_t c = 0; c < names.size(); ++c) {
+    size_t what = meaning_of(names[c]);
+    if (what >= 4) what = 8;  // No quaternions, and no heading, which turns the other way.
+    for (size_t k = 1; k < kNames.size(); ++k) {
+      const auto is_start = [&](const char* name) { return names[c].starts_with(name); };
+      if (std::ranges::any_of(kNames[k], is_start)) what = k;
+    }
+    if (what == 8) continue;
+    if (columns[what] != names.size()) return std::nullopt;
+    columns[what] = c;
+  }
+  const bool all = std::ranges::all_of(columns, [&](size_t c) { return c < names.size(); });
+  return all ? std::optional(columns) : std::nullopt;
+}
+
 }  // namespace
 
 std::optional<PoseColumns> pose_columns_of(std::string_view line) {
@@ -100,6 +128,30 @@ std::optional<std::pair<size_t, double>> seconds_part_of(std::string_view line) 
     if (unit > 0 && c != (*columns)[0]) return std::pair(c, unit);
   }
   return std::nullopt;
+}
+
+std::string use_angles(NumberRows& numbers) {
+  for (const std::string& head : numbers.heads) {
+    const std::optional<std::array<size_t, 7>> at = angle_columns_of(names_in(head));
+    const size_t n = numbers.rows[0].size();
+    const auto is_whole = [n](const auto& row) { return row.size() == n; };
+    if (!at || std::ranges::max(*at) >= n || !std::ranges::all_of(numbers.rows, is_whole)) continue;
+    const bool radians = head.find("rad]") != std::string::npos;
+    const double unit = radians ? 1 : M_PI / 180;
+    for (std::vector<double>& row : numbers.rows) {
+      const auto about = [&](size_t what, const Vec3& axis) {
+        return Eigen::AngleAxisd(unit * row[(*at)[what]], axis);
+      };
+      const Eigen::Quaterniond q(about(6, Vec3::UnitZ()) * about(5, Vec3::UnitY()) *
+                                 about(4, Vec3::UnitX()));
+      row = {row[(*at)[0]], row[(*at)[1]], row[(*at)[2]], row[(*at)[3]],
+             q.x(),         q.y(),         q.z(),         q.w()};
+    }
+    numbers.heads.clear();
+    return std::string("the poses' rotations are roll, pitch and yaw in ") +
+           (radians ? "radians" : "degrees");
+  }
+  return "";
 }
 
 bool names_positions(std::string_view line, size_t columns) {

@@ -4,8 +4,11 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
+
+#include "underbrush/io/text.hpp"
 
 namespace underbrush::io {
 
@@ -20,6 +23,11 @@ std::optional<PoseColumns> pose_columns_of(std::string_view line);
 /// The column of a line of names that counts the parts of a second besides one of whole seconds, as
 /// in "sec,nsec,x,y,…", and its unit, s.
 std::optional<std::pair<size_t, double>> seconds_part_of(std::string_view line);
+
+/// Turns rows below a header that names time, place, roll, pitch and yaw (degrees, or "[rad]"), as
+/// in "GPSTime,Easting,Northing,Height,Roll,Pitch,Yaw", to rows of t x y z qx qy qz qw: turns about
+/// x, then y, then z. Returns what was assumed, and "" where there is no such header.
+std::string use_angles(NumberRows& numbers);
 
 /// Whether a line has as many names as there are columns, and x, y and z among them.
 bool names_positions(std::string_view line, size_t columns);

@@ -142,7 +142,8 @@ std::optional<Pose> pose_from_rows(const std::array<double, 12>& rows) {
 
 PoseList read_poses(const fs::path& path) {
   constexpr PoseColumns kTum{0, 1, 2, 3, 4, 5, 6, 7};
-  const NumberRows numbers = read_numbers(path);
+  NumberRows numbers = read_numbers(path);
+  const std::string angles = use_angles(numbers);
   const std::string_view names = line_of_names(numbers);
   const std::optional<PoseColumns> named = pose_columns_of(names);
   const size_t n = numbers.rows[0].size();
@@ -166,6 +167,7 @@ PoseList read_poses(const fs::path& path) {
     out.notes.push_back(first ? "the poses' quaternions are qw qx qy qz, as in their header"
                               : "the poses' columns are in the order of their header");
   }
+  if (!angles.empty()) out.notes.push_back(angles);
   if (const std::string unit = use_dates(out.time_s); !unit.empty()) {
     out.notes.push_back("the times of the poses are taken to be " + unit);
   }

@@ -8,6 +8,7 @@
 #include "underbrush/io/input.hpp"
 #include "underbrush/io/table.hpp"
 #include "underbrush/io/text.hpp"
+#include "underbrush/pipeline/beam_checks.hpp"
 #include "underbrush/pipeline/copies.hpp"
 #include "underbrush/pipeline/import_checks.hpp"
 #include "underbrush/pipeline/pose_checks.hpp"
@@ -100,9 +101,19 @@ LogInfo info_of_beams(const ImportOptions& o, const io::Input& input,
           "--elevation-offset-deg are for scans");
   LogInfo info = input.beams->info();
   std::erase_if(info.scans, [&](const auto& s) { return !frames.has(s.scan); });
-  if (o.max_range_m > 0) info.max_range_m = o.max_range_m;
+  const double unit_m = unit_of(o.unit);
+  info.min_range_m *= unit_m;
+  info.max_range_m = o.max_range_m > 0 ? o.max_range_m : info.max_range_m * unit_m;
+  for (ScanInfo& scan : info.scans) scan.world_from_sensor.translation *= unit_m;
   if (!o.label_set.empty()) info.classes = o.label_set;
   return info;
+}
+
+/// Scales lengths to m.
+void apply_unit(BeamLog& log, double unit_m) {
+  if (unit_m == 1) return;
+  for (Vec3& origin : log.origin) origin *= unit_m;
+  for (float& range : log.range_m) range = float(double(range) * unit_m);
 }
 
 // Returns that are not known to be of one pulse count as several beams.
@@ -147,6 +158,18 @@ void check_first(const std::string& source, const PointScan& scan,
   }
 }
 
+/// What --deskew assumes about points without times, and the columns that are none.
+std::string note_of_times(const PointScan& scan) {
+  std::string text = "the points have no times";
+  const char* separator = " (not known as times: ";
+  for (const auto& [name, column] : scan.extra) {
+    text += separator + name;
+    separator = ", ";
+  }
+  return text + (scan.extra.empty() ? "" : ")") +
+         ": --deskew takes the scan's time for that at which the sensor faces forward";
+}
+
 /// Leaves out times of points that are too coarse to give the motion within a scan.
 void leave_out_times(PointScan& scan, bool deskew, ImportReport& report) {
   const size_t times = deskew ? coarse_times(scan) : 0;
@@ -171,6 +194,7 @@ void import_scans(const std::string& source, const RowFilter& keep, io::Input& i
     if (scan.size() == 0) continue;
     if (report.scans == 0) {
       check_first(source, scan, options, report);
+      if (options.deskew && scan.time_s.empty()) input.notes.push_back(note_of_times(scan));
       doubled = keep.all() && share_of_copies(scan) > kFewCopies;
     }
     if (doubled) report.beam.skipped["copies of a return of the same time"] += remove_copies(scan);
@@ -208,12 +232,17 @@ BeamLog kept_of(BeamLog chunk, const RowFilter& keep, const io::FrameRange* fram
   return part;
 }
 
-void import_beams(const RowFilter& keep, io::Input& input, const io::FrameRange* frames,
-                  const Write& write, const Progress& progress, ImportReport& report) {
+void import_beams(const RowFilter& keep, io::Input& input, const LogInfo& info, double unit_m,
+                  const io::FrameRange* frames, const Write& write, const Progress& progress,
+                  ImportReport& report) {
   size_t done = 0;
+  BeamChecks checks;
   std::set<uint32_t> scans;
   for (BeamLog chunk; input.beams->next(chunk);) {
     done += chunk.size();
+    apply_unit(chunk, unit_m);
+    chunk.info = info;
+    checks.add(chunk);
     const BeamLog kept = kept_of(std::move(chunk), keep, frames, report);
     note_echoes(keep, kept.extra, input.notes);
     for (size_t i = 0; i < kept.size(); ++i) {
@@ -227,6 +256,7 @@ void import_beams(const RowFilter& keep, io::Input& input, const io::FrameRange*
     if (progress) progress(done, input.beams->size());
   }
   report.scans = scans.size();
+  report.warnings = checks.warnings();
 }
 
 /// Says what became of all records where no beam is left, and what to do where the points seem to
@@ -271,9 +301,10 @@ ImportReport import_log(const std::filesystem::path& source, const ImportOptions
   io::Input input = io::open_input(source, reading);
   ImportReport report;
   if (input.beams) {
-    begin(info_of_beams(options, input, reading.frames));
-    import_beams(keep, input, options.frames.empty() ? nullptr : &reading.frames, write, progress,
-                 report);
+    const LogInfo info = info_of_beams(options, input, reading.frames);
+    begin(info);
+    import_beams(keep, input, info, reading.unit_m,
+                 options.frames.empty() ? nullptr : &reading.frames, write, progress, report);
   } else {
     const sensor::BeamOptions beams = beam_options(options, input);
     begin(info_of_scans(options, input, beams));

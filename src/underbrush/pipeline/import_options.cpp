@@ -37,7 +37,7 @@ std::span<const Option<ImportOptions>> import_options() {
     {"columns", "More options", "",
      "Names of the columns, for .bin and text files without a header: x,y,z,intensity,ring",
      [](O& o) -> auto& { return o.columns; }, -kNoLimit, kNoLimit, {}, "X,Y,Z,..."},
-    {"unit", "More options", "", "Unit of the coordinates of scans",
+    {"unit", "More options", "", "Unit of the coordinates",
      [](O& o) -> auto& { return o.unit; }, -kNoLimit, kNoLimit, {"m", "cm", "mm", "ft"}},
     {"assets", "More options", "",
      "Folder with the files of a survey of HELIOS++, besides the folder of the survey",

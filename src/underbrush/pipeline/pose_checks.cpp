@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <set>
 #include <utility>
 
 #include "underbrush/core/cells.hpp"
 #include "underbrush/pipeline/check_values.hpp"
+#include "underbrush/pipeline/scan_overlap.hpp"
 
 namespace underbrush::pipeline {
 namespace {
@@ -101,99 +101,91 @@ std::vector<std::pair<size_t, size_t>> pairs_of(const std::vector<ScanInfo>& inf
   return out;
 }
 
-/// The upper half of a scan's points within 40 m, at most 4000: those on flat ground fit anyway.
-std::vector<Vec3> upper_points(const PointScan& scan) {
-  constexpr double kNear = 2, kFar = 40;  // m
-  constexpr size_t kMost = 4000;
-  std::vector<double> height;
-  for (const Vec3f& p : scan.point) {
-    if (is_return(p) && p.norm() > kNear && p.norm() < kFar) height.push_back(double(p.z()));
-  }
-  const double middle = median(height);
-  const size_t step = std::max<size_t>(1, height.size() / kMost / 2);
-  std::vector<Vec3> out;
-  size_t n = 0;
-  for (const Vec3f& p : scan.point) {
-    if (!is_return(p) || p.norm() < kNear || p.norm() > kFar || double(p.z()) < middle) continue;
-    if (n++ % step == 0) out.push_back(p.cast<double>());
-  }
-  return out;
+/// How well the motion by the poses fits some scans, and the motions that fit them best.
+struct MotionFit {
+  double given = 0, best = 0;  ///< Mean shares of a scan's points where an earlier one has some.
+  double given_m = 0, best_m = 0, given_rad = 0, best_rad = 0;  ///< Mean motion.
+};
+
+/// The turn from the sensor's frame to one whose z axis is that of the world.
+Eigen::Quaterniond upright_of(const ScanInfo& scan) {
+  return Eigen::Quaterniond::FromTwoVectors(
+      scan.world_from_sensor.rotation.inverse() * Vec3::UnitZ(), Vec3::UnitZ());
 }
 
-/// The share of the points `to` that lie in cells of the points `from`, each seen from its pose.
-double overlap(const std::vector<Vec3>& from, const Pose& from_pose, const std::vector<Vec3>& to,
-               const Pose& to_pose) {
-  constexpr double kCell = 0.4;  // m
-  using Cell = std::array<int64_t, 3>;
-  const auto cell_of = [](const Vec3& p) {
-    return Cell{int64_t(std::floor(p.x() / kCell)), int64_t(std::floor(p.y() / kCell)),
-                int64_t(std::floor(p.z() / kCell))};
-  };
-  const Pose between = from_pose.inverse() * to_pose;
-  std::set<Cell> cells;
-  for (const Vec3& p : from) cells.insert(cell_of(p));
-  size_t n = 0;
-  for (const Vec3& p : to) n += cells.count(cell_of(between * p));
-  return to.empty() ? 0 : double(n) / double(to.size());
-}
-
-/// Warns where the sensor stands by its poses, and scans fit better if it moves on a straight
-/// way.
-std::string warning_of_standing(ScanSource& scans, const std::vector<ScanInfo>& infos) {
-  constexpr size_t kPairs = 4, kSteps = 8;
-  constexpr double kStep = 0.4, kBetter = 0.2;  // m from one scan to the next
-  if (infos.size() < 2) return "";
-  double still = 0;
-  std::array<std::array<double, kSteps>, 4> moved{};  // forward, back, left, right
+MotionFit motion_fit(ScanSource& scans, const std::vector<ScanInfo>& infos, size_t ahead) {
+  constexpr size_t kPairs = 4, kPoints = 800;
+  MotionFit fit;
   for (size_t k = 0; k < kPairs; ++k) {
-    const size_t a = k * (infos.size() - 1) / kPairs;
-    const std::vector<Vec3> from = upper_points(scans.read(a)),
-                            to = upper_points(scans.read(a + 1));
-    still += overlap(from, {}, to, {}) / kPairs;
-    for (size_t way = 0; way < moved.size(); ++way) {
-      for (size_t step = 0; step < kSteps; ++step) {
-        Vec3 shift = Vec3::Zero();
-        shift[way / 2] = (way % 2 ? -kStep : kStep) * double(step + 1);
-        moved[way][step] += overlap(from, {}, to, {Eigen::Quaterniond::Identity(), shift}) / kPairs;
-      }
-    }
+    const size_t a = k * (infos.size() - ahead) / kPairs;
+    const Eigen::Quaterniond upright = upright_of(infos[a]);
+    const ScanCells cells(upper_points(scans.read(a), upright, SIZE_MAX));
+    const std::vector<Vec3> later = upper_points(scans.read(a + ahead), upright, kPoints);
+    const Pose turn{upright, Vec3::Zero()};
+    const Pose given = turn * infos[a].world_from_sensor.inverse() *
+                       infos[a + ahead].world_from_sensor * turn.inverse();
+    const ScanMotion best = best_motion(cells, later);
+    fit.given += cells.share_of(later, given) / kPairs;
+    fit.best += best.share / kPairs;
+    fit.given_m += given.translation.norm() / kPairs;
+    fit.best_m += best.pose.translation.norm() / kPairs;
+    fit.given_rad += given.rotation.angularDistance(Eigen::Quaterniond::Identity()) / kPairs;
+    fit.best_rad += best.pose.rotation.angularDistance(Eigen::Quaterniond::Identity()) / kPairs;
   }
-  double best = 0, best_m = 0;
-  for (const auto& way : moved) {
-    const auto most = std::max_element(way.begin(), way.end());
-    if (*most <= best) continue;
-    best = *most;
-    best_m = kStep * double(most - way.begin() + 1);
+  return fit;
+}
+
+/// Warns where scans fit each other clearly better with other motions than by the poses.
+std::string warning_of_motion(ScanSource& scans, const std::vector<ScanInfo>& infos) {
+  constexpr double kBetter = 0.2, kStands = 0.1;  // kStands: m
+  for (const size_t ahead : {1, 3}) {
+    if (infos.size() <= ahead) break;
+    const MotionFit fit = motion_fit(scans, infos, ahead);
+    if (fit.best < fit.given + kBetter) continue;
+    const auto motion = [](double way_m, double turn_rad) {
+      return text_of("%.1f", way_m) + " m and turns by " + text_of("%.0f", turn_rad * 180 / M_PI) +
+             "°";
+    };
+    const bool stands = fit.given_m < kStands && fit.best_m > kStands;
+    return "by the poses the sensor " +
+           (stands ? "stands still" : "moves by " + motion(fit.given_m, fit.given_rad)) + ", and " +
+           text_of("%.0f", 100 * fit.given) + " % of a scan's points lie where the " +
+           (ahead == 1 ? "next one" : "third one after it") + " has some, but " +
+           text_of("%.0f", 100 * fit.best) + " % if it moves by " +
+           motion(fit.best_m, fit.best_rad) +
+           (stands ? ": are all poses the same, or in km?"
+                   : ": are their rotations and axes those of the sensor, and their times those of "
+                     "the scans?");
   }
-  if (best < still + kBetter) return "";
-  return "by the poses the sensor stands still, and " + text_of("%.0f", 100 * still) +
-         " % of a scan's points lie where the next one has some, but " +
-         text_of("%.0f", 100 * best) + " % if it moves by " + text_of("%.1f", best_m) +
-         " m from scan to scan: are all poses the same?";
+  return "";
 }
 
 std::string warning_of_overlap(ScanSource& scans, const std::vector<ScanInfo>& infos) {
-  constexpr double kPoor = 0.4, kBetter = 0.2, kFast = 5;  // kFast: m from scan to scan
+  constexpr double kPoor = 0.4, kGood = 0.6, kBetter = 0.2;
+  constexpr double kFast = 5;  // m from scan to scan
   const std::vector<std::pair<size_t, size_t>> pairs = pairs_of(infos);
-  if (pairs.empty()) return warning_of_standing(scans, infos);
+  if (pairs.empty()) return warning_of_motion(scans, infos);
   std::array<double, kReadings.size()> fit{};
   bool fast = true;
   for (const auto& [a, b] : pairs) {
     const Vec3 way =
         infos[b].world_from_sensor.translation - infos[a].world_from_sensor.translation;
     fast = fast && way.norm() > kFast * double(b - a);
-    const std::vector<Vec3> from = upper_points(scans.read(a)), to = upper_points(scans.read(b));
+    const Eigen::Quaterniond none = Eigen::Quaterniond::Identity();
+    const ScanCells cells(upper_points(scans.read(a), none, SIZE_MAX));
+    const std::vector<Vec3> to = upper_points(scans.read(b), none, 4000);
     for (size_t k = 0; k < kReadings.size(); ++k) {
       const auto& pose_of = kReadings[k].pose;
-      fit[k] += overlap(from, pose_of(infos[a].world_from_sensor), to,
-                        pose_of(infos[b].world_from_sensor)) /
-                double(pairs.size());
+      const Pose between =
+          pose_of(infos[a].world_from_sensor).inverse() * pose_of(infos[b].world_from_sensor);
+      fit[k] += cells.share_of(to, between) / double(pairs.size());
     }
   }
   // Circles on flat ground fit each other best without any motion, so it alone shows no mm.
   if (!fast) fit.back() = 0;
   const size_t best = size_t(std::max_element(fit.begin(), fit.end()) - fit.begin());
-  if (fit[0] > kPoor || fit[best] < fit[0] + kBetter) return "";
+  if (fit[0] > kGood) return "";
+  if (fit[0] > kPoor || fit[best] < fit[0] + kBetter) return warning_of_motion(scans, infos);
   return "by the poses only " + text_of("%.0f", 100 * fit[0]) +
          " % of a scan's points lie where the next one has some, and " +
          text_of("%.0f", 100 * fit[best]) + " % " + kReadings[best].what;
@@ -224,23 +216,41 @@ std::pair<double, double> level_pairs(const PointScan& scan, const Eigen::Quater
   return {double(level), double(pairs)};
 }
 
-/// Warns where up to four scans have level ground as the sensor has it, and not by the poses.
+/// Warns where the ground of up to four scans is not level below the sensor by the poses, but would
+/// be so without their rotations or if the sensor hung upside down.
 std::string warning_of_ground(ScanSource& scans, const std::vector<ScanInfo>& infos) {
   constexpr size_t kScans = 4;
-  constexpr double kPoor = 0.5, kLevel = 0.4;  // of the level cells without rotations; of all
-  double given = 0, upright = 0, all = 0;
+  constexpr double kPoor = 0.5, kLevel = 0.4;  // of the level cells as they would be; of all
+  const Eigen::Quaterniond over(Eigen::AngleAxisd(M_PI, Vec3::UnitX()));
+  double given = 0, unturned = 0, hanging = 0, all = 0;
   for (size_t k = 0; k < kScans; ++k) {
     const size_t i = k * infos.size() / kScans;
     const PointScan scan = scans.read(i);
-    given += level_pairs(scan, infos[i].world_from_sensor.rotation).first;
+    const Eigen::Quaterniond& turn = infos[i].world_from_sensor.rotation;
+    given += level_pairs(scan, turn).first;
+    hanging += level_pairs(scan, turn * over).first;
     const auto [level, pairs] = level_pairs(scan, Eigen::Quaterniond::Identity());
-    upright += level;
+    unturned += level;
     all += pairs;
   }
-  if (all == 0 || upright < kLevel * all || given > kPoor * upright) return "";
-  return "by the poses the ground is steep or above the sensor, and it is level without their "
-         "rotations: are they poses of a camera or of another frame, or is w the first of their "
-         "quaternions' numbers?";
+  const auto is_better = [&](double other) {
+    return all > 0 && other >= kLevel * all && given <= kPoor * other;
+  };
+  const bool tilted = are_tilted(infos);
+  const bool level = all > 0 && given >= kLevel * all;
+  const std::string w_first = tilted && !level ? warning_of_tilt(infos) : "";
+  if (!w_first.empty()) return w_first;
+  if (tilted && is_better(unturned)) {
+    return "by the poses the ground is steep or above the sensor, and it is level without their "
+           "rotations: are they poses of a camera or of another frame, or is w the first of their "
+           "quaternions' numbers?";
+  }
+  if (is_better(hanging)) {
+    return "by the poses the ground is above the sensor: does the sensor hang upside down? Then "
+           "the "
+           "poses must turn from its own frame";
+  }
+  return "";
 }
 
 }  // namespace
@@ -255,14 +265,14 @@ bool are_tilted(const std::vector<ScanInfo>& scans) {
 
 std::vector<std::string> warnings_of_poses(const std::vector<ScanInfo>& scans) {
   std::vector<std::string> out;
-  for (std::string w : {warning_of_speed(scans), warning_of_climb(scans), warning_of_tilt(scans)}) {
+  for (std::string w : {warning_of_speed(scans), warning_of_climb(scans)}) {
     if (!w.empty()) out.push_back(std::move(w));
   }
   return out;
 }
 
 std::string warning_of_scans(ScanSource& scans, const std::vector<ScanInfo>& infos) {
-  const std::string ground = are_tilted(infos) ? warning_of_ground(scans, infos) : "";
+  const std::string ground = warning_of_ground(scans, infos);
   return ground.empty() ? warning_of_overlap(scans, infos) : ground;
 }
 

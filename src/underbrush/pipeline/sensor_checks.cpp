@@ -102,7 +102,7 @@ Silence silence_of(const std::vector<Vec3f>& points, const sensor::Sensor& senso
 
 void check_sensor_of(const std::string& source, const std::string& option, const PointScan& scan,
                      const sensor::Sensor& sensor) {
-  constexpr double kShare = 0.2, kNear = 0.65;
+  constexpr double kBeyond = 0.08, kShare = 0.2, kNear = 0.65;
   constexpr size_t kFewest = 100;
   const auto fail = [&](const std::string& reason) {
     throw FormatError(source, option, in_quotes(sensor.name) + " cannot be its sensor: " + reason);
@@ -120,7 +120,7 @@ void check_sensor_of(const std::string& source, const std::string& option, const
            " channels");
     }
   }
-  if (double(fit.beyond) > kShare * double(fit.returns)) {
+  if (double(fit.beyond) > kBeyond * double(fit.returns)) {
     fail(percent(fit.beyond, fit.returns) + "lie beyond its elevations; they are at " +
          text_of("%.1f", fit.least / kDegree) + " to " + text_of("%.1f", fit.most / kDegree) +
          " degrees");

@@ -10,7 +10,7 @@
 namespace underbrush::pipeline {
 
 /// Throws `FormatError`, naming `source`, where a scan cannot come from a spinning sensor: more
-/// rings than channels; a fifth of the returns two degrees and more beyond its elevations, or
+/// rings than channels; 8 % of the returns two degrees and more beyond its elevations, or a fifth
 /// beyond 1.5 of its range; or returns between channels 0.8° and more apart that do not lie about
 /// them (fewer than 65 % in the nearer half of the gap, where chance has 50 %). Scans of fewer than
 /// 100 returns are let pass. `option` is the one that names the sensor.

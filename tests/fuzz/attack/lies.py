@@ -64,7 +64,7 @@ LIES = {"header": fields.text_lies, "text": fields.text_lies, "yaml": fields.tex
 OF_KIND = {"import.pcd-compressed": compressed_pcd, "import.npy": npy, "import.npz": npz, "simulate.stl": stl,
            "osi.views": fields.osi_lies, "osi.replay": fields.osi_lies, "osi.data": fields.osi_lies,
            "import.bin": words32, "import.kitti-scan": words32, "import.labels": words32, "segment.label-file": words32,
-           "meshes.gltf-buffer": words32}
+           "meshes.gltf-buffer": words32, "info.compact": words32, "split.compact": words32}
 MORE = (
     Kind("simulate.space", "header", "model/observed_space.ply", "simulate model --like log.ply -o out.ply"),
     Kind("info.geotiff", "tiff", "height.tif", "info terrain.xml", others=("terrain.xml",)),

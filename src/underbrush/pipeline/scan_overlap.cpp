@@ -1,0 +1,81 @@
+#include "underbrush/pipeline/scan_overlap.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "underbrush/core/cells.hpp"
+#include "underbrush/pipeline/check_values.hpp"
+
+namespace underbrush::pipeline {
+namespace {
+
+constexpr double kNear = 2, kFar = 40, kCell = 0.4;  // m
+constexpr int kSide = int(2 * kFar / kCell);         // cells
+
+/// The number of the cell that holds a point, or none beyond the cells.
+std::optional<size_t> cell_of(const Vec3& p) {
+  size_t cell = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double at = std::floor((p[axis] + kFar) / kCell);
+    if (!(at >= 0 && at < kSide)) return std::nullopt;
+    cell = cell * size_t(kSide) + size_t(at);
+  }
+  return cell;
+}
+
+}  // namespace
+
+std::vector<Vec3> upper_points(const PointScan& scan, const Eigen::Quaterniond& upright,
+                               size_t most) {
+  constexpr double kAbove = 0.3;  // m
+  std::vector<Vec3> near, out;
+  std::vector<double> own, height;
+  for (const Vec3f& p : scan.point) {
+    if (!is_return(p) || p.norm() < kNear || p.norm() > kFar) continue;
+    near.push_back(p.cast<double>());
+    own.push_back(near.back().z());
+    height.push_back((upright * near.back()).z());
+  }
+  const double least_own = median(own) + kAbove, least = median(height) + kAbove;
+  std::erase_if(near,
+                [&](const Vec3& p) { return p.z() <= least_own || (upright * p).z() <= least; });
+  const size_t step = std::max<size_t>(1, near.size() / most);
+  for (size_t i = 0; i < near.size(); i += step) out.push_back(upright * near[i]);
+  return out;
+}
+
+ScanCells::ScanCells(const std::vector<Vec3>& points)
+    : filled_(size_t(kSide) * size_t(kSide) * size_t(kSide)) {
+  for (const Vec3& p : points) {
+    if (const auto cell = cell_of(p)) filled_[*cell] = true;
+  }
+}
+
+double ScanCells::share_of(const std::vector<Vec3>& points, const Pose& this_from_points) const {
+  const Eigen::Matrix3d turn = this_from_points.rotation.toRotationMatrix();
+  size_t n = 0;
+  for (const Vec3& p : points) {
+    const auto cell = cell_of(turn * p + this_from_points.translation);
+    n += cell && filled_[*cell];
+  }
+  return points.empty() ? 0 : double(n) / double(points.size());
+}
+
+ScanMotion best_motion(const ScanCells& earlier, const std::vector<Vec3>& later) {
+  constexpr int kSteps = 10, kTurns = 10;
+  ScanMotion best;
+  for (int turn = -kTurns; turn <= kTurns; ++turn) {
+    const Eigen::Quaterniond rotation(Eigen::AngleAxisd(turn * M_PI / 180, Vec3::UnitZ()));
+    for (int x = -kSteps; x <= kSteps; ++x) {
+      for (int y = -kSteps; y <= kSteps; ++y) {
+        const Pose pose{rotation, Vec3(x * kCell, y * kCell, 0)};
+        const double share = earlier.share_of(later, pose);
+        if (share > best.share) best = {pose, share};
+      }
+    }
+  }
+  return best;
+}
+
+}  // namespace underbrush::pipeline
