@@ -184,6 +184,7 @@ def test_poses_that_are_missing_are_asked_for_with_their_frames(tmp_path: pathli
     (lambda t: {"ts": t}, ""), (lambda t: {"rel_time_ms": (OFFSETS * 1e3).astype(np.float32)}, ""),
     (lambda t: {"adjustedtime": np.rint(OFFSETS * 1e6).astype(np.uint32)}, "to be µs"),
     (lambda t: {"time": np.zeros(POINTS, np.float32), "timestamp": t}, ""),
+    (lambda t: {"timestamp": t - START_S + 3}, "their clock is another one: the first is 3 s"),
     (lambda t: {"time": (OFFSETS * 10).astype(np.float32)}, "0 to 1: it spans 0.99 of them where scans are 0.1 s apart")])
 def test_times_by_the_names_of_import(tmp_path: pathlib.Path, fields: Fields, note: str) -> None:
     recording = drive(tmp_path / "d.bag", tf("map", "velodyne"), fields=fields)

@@ -12,6 +12,7 @@ Floats = npt.NDArray[np.float64]
 _LONGEST_OFFSET_S = 100.0  # A larger time is not an offset within a scan but absolute.
 _DATES_S = (1e9, 4.2e9)  # Seconds since 1970: the years 2001 to 2103.
 _LONGEST_SCAN_S = 1e4
+_LATE_S = 1.0  # After the stamp; a later first point is of another clock.
 _ENOUGH = 20  # Points of a scan; fewer do not determine the unit.
 _UNITS = (("ns", 1e-9), ("µs", 1e-6), ("ms", 1e-3), ("s", 1.0))
 
@@ -89,4 +90,9 @@ class PointTimes:
         if step > 0.05 * (self._period or 0.1):
             self.note = _USELESS.format(name, f"are floats of 4 bytes in steps of {step:.2g} s, so that they are not used")
             return np.full(len(values), stamp_s)
-        return np.asarray(values * unit + (0.0 if absolute else stamp_s))
+        begin = 0.0 if absolute else stamp_s
+        if self._period > 0 and not absolute and high > low and low * unit > _LATE_S:
+            begin -= low * unit
+            self.note = self.note or (f"the points' times ({name}) count from the scan's time, since their clock is "
+                                      f"another one: the first is {low * unit:.4g} s")
+        return np.asarray(values * unit + begin)
