@@ -136,8 +136,9 @@ UNDERBRUSH_CLONES void expect(const WeightSample* samples, const uint32_t* which
     const double of_elements = t.elements + unseen_sums[s.unseen];
     const double total = s.outlier + of_elements * s.elements + of_pixels;
     if (!(total > 0)) continue;
-    if (with_likelihood) product *= total;
-    if (product < 1e-100 || product > 1e100) out.likelihood += std::log(std::exchange(product, 1));
+    if (with_likelihood && ((product *= total) < 1e-100 || product > 1e100)) {
+      out.likelihood += std::log(std::exchange(product, 1));
+    }
     // A pixel that a beam does not find has the density of the elements, with its own weight.
     elements += t.elements * s.elements / total;
     const auto one = float(1 / total);
