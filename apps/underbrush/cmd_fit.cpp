@@ -26,9 +26,7 @@ struct Arguments {
 
 void add_options(Verb& verb, Arguments& a) {
   CLI::App& app = verb.app;
-  app.add_option("LOG", a.logs,
-                 "The log (.ply or .ublog, as import writes it), or logs of one place")
-      ->required();
+  app.add_option("LOG", a.logs, "The log, or logs of one place (.ply or .ublog)")->required();
   verb.output("-o,--output", a.output, "The model's folder")->required()->type_name("MODEL");
   CLI::Option* update =
       app.add_option("--update", a.update,

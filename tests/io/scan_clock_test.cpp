@@ -164,8 +164,9 @@ TEST(PoseColumns, AnglesAreTurnsAboutXThenYThenZ) {
   for (const bool radians : {false, true}) {
     const std::string unit = radians ? " [rad]" : "",
                       quarter = radians ? "1.5707963267948966" : "90";
-    put_bytes(folder / "p", "GPSTime,Easting,Northing,Height,vel_east,roll" + unit +
-                                ",pitch,yaw\n" + "7,1,2,3,9," + quarter + ",0," + quarter + "\n");
+    std::string text = "GPSTime,Easting,Northing,Height,vel_east,roll";
+    text.append(unit).append(",pitch,yaw\n7,1,2,3,9,").append(quarter);
+    put_bytes(folder / "p", text.append(",0,").append(quarter).append("\n"));
     const PoseList poses = read_poses(folder / "p");
     ASSERT_EQ(poses.pose.size(), 1u);
     EXPECT_EQ(poses.time_s[0], 7);

@@ -31,7 +31,7 @@ std::span<const Parameter> parameters() {
     {{"fitter", kCommon, "", "How the model is made", [](Options& o) -> auto& { return o.fitter; },
       -kNoLimit, kNoLimit, fitter_words()}, kHelp},
     {{"min-range", kCommon, "m",
-     "Leave out returns nearer than this; they may be on the own vehicle",
+     "Leave out nearer returns, as on the own vehicle",
      [](Options& o) -> auto& { return o.min_range_m; },
       0, 1000}, kHelp},
     {{"tile", kCommon, "m", "Side of a tile; memory grows with it",

@@ -247,8 +247,7 @@ std::string warning_of_ground(ScanSource& scans, const std::vector<ScanInfo>& in
   }
   if (is_better(hanging)) {
     return "by the poses the ground is above the sensor: does the sensor hang upside down? Then "
-           "the "
-           "poses must turn from its own frame";
+           "the poses must turn from its own frame";
   }
   return "";
 }
