@@ -238,7 +238,7 @@ std::string warning_of_ground(ScanSource& scans, const std::vector<ScanInfo>& in
   };
   const bool tilted = are_tilted(infos);
   const bool level = all > 0 && given >= kLevel * all;
-  const std::string w_first = tilted && !level ? warning_of_tilt(infos) : "";
+  std::string w_first = tilted && !level ? warning_of_tilt(infos) : "";
   if (!w_first.empty()) return w_first;
   if (tilted && is_better(unturned)) {
     return "by the poses the ground is steep or above the sensor, and it is level without their "
