@@ -10,7 +10,7 @@ class FitParameters(TypedDict, total=False):
     """Options of `fit`, as docs/reference/parameters.md lists them."""
 
     fitter: str  #: How the model is made (default likelihood).
-    min_range: float  #: Leave out returns nearer than this; they may be on the own vehicle (m; default 0).
+    min_range: float  #: Leave out nearer returns, as on the own vehicle (m; default 0).
     tile: float  #: Side of a tile; memory grows with it (m; default 32).
     ranges_as_given: bool  #: Learn no range offsets of the sensor's channels (default false).
     clusters_per_point: float  #: Number of ellipsoids per point (default 0.1).
