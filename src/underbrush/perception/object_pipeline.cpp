@@ -36,10 +36,13 @@ void ObjectPipeline::reset() { *this = ObjectPipeline(options_); }
 void ObjectPipeline::find_candidates(const MergedCloud& cloud) {
   to_world(cloud, points_);
   clusters_.find(cloud, points_, segments_);
-  measure_segments();
+  candidates_.clear();
+  for (size_t k = 0; k < segments_.size(); ++k) candidates_.push_back(measured(k));
   if (!join_parts()) return;
   segments_.gather(points_, candidates_.size());
-  measure_segments();
+  for (size_t k = 0; k < segments_.size(); ++k) {
+    if (has_parts_[k]) candidates_[k] = measured(k);
+  }
 }
 
 // The roof, the mirrors and the sides of a vehicle may be seen apart.
@@ -62,26 +65,29 @@ bool ObjectPipeline::join_parts() {
   }
   number_.resize(count);
   uint32_t next = 0;
-  for (uint32_t k = 0; k < count; ++k) number_[k] = whole_[k] == kWhole ? next++ : kNoSegment;
+  for (uint32_t k = 0; k < count; ++k) {
+    number_[k] = next;
+    if (whole_[k] == kWhole) candidates_[next++] = candidates_[k];
+  }
   if (next == count) return false;
+  has_parts_.assign(next, 0);
   for (uint32_t& segment : segments_.of_point) {
     if (segment == kNoSegment) continue;
+    const bool is_part = whole_[segment] != kWhole;
     while (whole_[segment] != kWhole) segment = whole_[segment];
     segment = number_[segment];
+    if (is_part) has_parts_[segment] = 1;
   }
   candidates_.resize(next);
   return true;
 }
 
-void ObjectPipeline::measure_segments() {
-  candidates_.clear();
-  for (size_t s = 0; s < segments_.size(); ++s) {
-    const auto points = segments_.points(s);
-    Candidate c;
-    c.heading_rad = shapes_.heading(points, viewpoint_);
-    c.shape = ShapeFitter::measure(points, c.heading_rad.value_or(vehicle_yaw_rad_), viewpoint_);
-    candidates_.push_back(c);
-  }
+ObjectPipeline::Candidate ObjectPipeline::measured(size_t segment) {
+  const auto points = segments_.points(segment);
+  Candidate c;
+  c.heading_rad = shapes_.heading(points, viewpoint_);
+  c.shape = ShapeFitter::measure(points, c.heading_rad.value_or(vehicle_yaw_rad_), viewpoint_);
+  return c;
 }
 
 // An extent that no width has is the length; otherwise most objects move as the own vehicle does.

@@ -52,7 +52,7 @@ class ObjectPipeline {
     SegmentShape shape;
   };
   void find_candidates(const MergedCloud& cloud);
-  void measure_segments();
+  Candidate measured(size_t segment);
   /// Gives the points of each segment whose centre lies in the footprint of a larger one to that
   /// one, and returns whether there are such segments.
   bool join_parts();
@@ -76,7 +76,7 @@ class ObjectPipeline {
   Segments segments_;
   std::vector<Candidate> candidates_;
   std::vector<uint32_t> whole_, number_;
-  std::vector<uint8_t> taken_;
+  std::vector<uint8_t> has_parts_, taken_;
   std::vector<double> cost_;
 };
 

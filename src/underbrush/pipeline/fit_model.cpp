@@ -214,8 +214,8 @@ UpdatedModel update_model(TrainedModel known, const FitLog& log,
   }
   std::vector<std::unique_ptr<io::LogReader>> readers;
   std::vector<BeamSource*> earlier;
-  for (const fs::path& file : inputs) {
-    readers.push_back(open_log(file, known.model.all_echoes));
+  for (const fs::path& input : inputs) {
+    readers.push_back(open_log(input, known.model.all_echoes));
     earlier.push_back(readers.back().get());
   }
   if (!file.empty()) inputs.push_back(file);

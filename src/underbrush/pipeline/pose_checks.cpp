@@ -219,12 +219,12 @@ std::pair<double, double> level_pairs(const PointScan& scan, const Eigen::Quater
 /// Warns where the ground of up to four scans is not level below the sensor by the poses, but would
 /// be so without their rotations or if the sensor hung upside down.
 std::string warning_of_ground(ScanSource& scans, const std::vector<ScanInfo>& infos) {
-  constexpr size_t kScans = 4;
+  constexpr size_t kTried = 4;
   constexpr double kPoor = 0.5, kLevel = 0.4;  // of the level cells as they would be; of all
   const Eigen::Quaterniond over(Eigen::AngleAxisd(M_PI, Vec3::UnitX()));
   double given = 0, unturned = 0, hanging = 0, all = 0;
-  for (size_t k = 0; k < kScans; ++k) {
-    const size_t i = k * infos.size() / kScans;
+  for (size_t k = 0; k < kTried; ++k) {
+    const size_t i = k * infos.size() / kTried;
     const PointScan scan = scans.read(i);
     const Eigen::Quaterniond& turn = infos[i].world_from_sensor.rotation;
     given += level_pairs(scan, turn).first;
