@@ -162,6 +162,17 @@ class ServeEnds(serving.Serving):
             self.assertEqual(code, -signal.SIGINT)
             self.assertTrue(all(p.suffix == ".octree" for p in pathlib.Path(cache).iterdir()), os.listdir(cache))
 
+    def test_an_octree_is_built_when_it_is_asked_for(self):
+        with tempfile.TemporaryDirectory() as cache:
+            server = serving.Server(self.folder, "log.ply", cache=cache)
+            self.assertEqual(server.json_of("api/octree?file=0&build=0"), {"state": "absent"})
+            self.assertEqual(os.listdir(cache), [])
+            self.assertEqual(server.octree(0)["state"], "ready")
+            server.end()
+            server = serving.Server(self.folder, "log.ply", cache=cache)
+            self.assertNotEqual(server.json_of("api/octree?file=0&build=0")["state"], "absent")
+            server.end()
+
     def test_what_cannot_be_served(self):
         empty = pathlib.Path(self.folder, "empty")
         empty.mkdir(exist_ok=True)

@@ -240,12 +240,16 @@ TEST_F(Octree, TheCacheIsUsedUntilTheLogChanges) {
   const auto cache = folder_ / "cache/underbrush";
   size_t built = 0;
   const auto count = [&](size_t, size_t) { ++built; };
+  EXPECT_EQ(kept_octree(folder_ / "log.ply", cache), nullptr);
+  EXPECT_EQ(kept_octree(folder_ / "none.ply", cache), nullptr);
   cached_octree(folder_ / "log.ply", cache, count);
   EXPECT_GT(built, 0u);
+  EXPECT_EQ(kept_octree(folder_ / "log.ply", cache)->header().points, 18000u);
   built = 0;
   EXPECT_EQ(cached_octree(folder_ / "log.ply", cache, count)->header().points, 18000u);
   EXPECT_EQ(built, 0u);
   io::write_log(folder_ / "log.ply", hills(10000, 20), "{}");
+  EXPECT_EQ(kept_octree(folder_ / "log.ply", cache), nullptr);
   EXPECT_EQ(cached_octree(folder_ / "log.ply", cache, count)->header().points, 9000u);
   EXPECT_GT(built, 0u);
   io::put_bytes(octree_place(folder_ / "log.ply", cache), "damaged");

@@ -41,6 +41,7 @@ export interface OctreeFacts {
 }
 
 export type OctreeState =
+  | { state: 'absent' }
   | { state: 'building'; done: number }
   | { state: 'failed'; error: string }
   | {

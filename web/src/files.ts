@@ -8,6 +8,15 @@ import type { Viewer } from './viewer';
 import { World } from './world';
 
 const NO_TARGET = 0xfffffffe;
+const MOST_WAIT_MS = 1000;
+
+/** Waits until the page has drawn what it holds now; a page that is hidden draws nothing, and does not wait for long. */
+function nextPicture(): Promise<void> {
+  return new Promise((resolve) => {
+    requestAnimationFrame(() => requestAnimationFrame(() => resolve()));
+    setTimeout(resolve, MOST_WAIT_MS);
+  });
+}
 
 export class Files {
   readonly clouds = new Map<number, Cloud>();
@@ -64,7 +73,7 @@ export class Files {
     const tell = (done: number) => this.tell(`${file.name}: ${Math.round(100 * done)} %`);
     tell(0);
     if (file.kind === 'log') {
-      const octree = await openOctree(file.id, tell, () => void this.preview(file));
+      const octree = await openOctree(file.id, tell, () => this.preview(file));
       this.origin ??= new Vector3(...octree.facts.origin_m);
       const pick = this.viewer.target({ kind: 'beam', file: file.id }); // replaced below
       const cloud = new Cloud(octree, this.viewer.display, this.origin, pick, () => this.viewer.drawSoon());
@@ -89,7 +98,7 @@ export class Files {
     this.tell('');
   }
 
-  /** Shows a sample of a log while its octree is being built. */
+  /** Shows a sample of a log, which its octree will replace. */
   private async preview(file: ServedFile): Promise<void> {
     const octree = await openPreview(file.id);
     if (!octree || this.clouds.has(file.id)) return;
@@ -100,6 +109,7 @@ export class Files {
     this.previews.set(file.id, cloud);
     this.viewer.addCloud(cloud);
     this.onPreview();
+    await nextPicture();
   }
 
   /** Takes the sample away once the log's own points are there. */

@@ -106,10 +106,17 @@ function runsOf(view: DataView, count: number): Run[] {
   return runs;
 }
 
-/** Waits for the octree of a log; `tell` learns the share that is built, and `begun` that it has to be built. */
-export async function openOctree(file: number, tell: (done: number) => void, begun: () => void): Promise<Octree> {
+/**
+ * Waits for the octree of a log; `tell` learns the share that is built. `preview` shows the log until then: it ends before
+ * the octree is begun, which needs the whole machine.
+ */
+export async function openOctree(file: number, tell: (done: number) => void, preview: () => Promise<void>): Promise<Octree> {
+  const { state } = await json<OctreeState>(`octree?file=${file}&build=0`);
+  const previewed = state === 'ready' || preview();
+  if (state === 'absent') await previewed;
   for (let wait = FIRST_WAIT_MS; ; wait = Math.min(wait * 1.5, 1000)) {
     const state = await json<OctreeState>(`octree?file=${file}`);
+    if (state.state === 'absent') continue;
     if (state.state === 'failed') throw new Error(state.error);
     if (state.state === 'ready') {
       const nodes = await table(file, state.nodes_at, state.nodes * NODE_BYTES);
@@ -122,7 +129,6 @@ export async function openOctree(file: number, tell: (done: number) => void, beg
         runs: runsOf(runs, state.runs),
       };
     }
-    if (wait === FIRST_WAIT_MS) begun();
     tell(state.done);
     await new Promise((resolve) => setTimeout(resolve, wait));
   }

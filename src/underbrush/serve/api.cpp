@@ -106,7 +106,8 @@ struct Api::Impl {
     return reply_of(j);
   }
   HttpReply octree(const HttpRequest& request) {
-    return {200, "application/json", log_of(request).state()};
+    const bool build = Query(request).number("build", 1) != 0;
+    return {200, "application/json", log_of(request).state(build)};
   }
   HttpReply preview(const HttpRequest& request) {
     const OpenedFile file = file_at(Query(request).number("file"));

@@ -62,8 +62,9 @@ std::shared_ptr<const OctreeFile> LogData::octree() {
   return octree_;
 }
 
-std::string LogData::state() {
+std::string LogData::state(bool build) {
   const std::lock_guard lock(mutex_);
+  if (!build && !started_ && !kept_octree(path_, cache_)) return text_of({{"state", "absent"}});
   start();
   if (!error_.empty()) return text_of({{"state", "failed"}, {"error", error_}});
   if (!octree_) return text_of({{"state", "building"}, {"done", done_.load()}});

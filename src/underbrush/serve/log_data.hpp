@@ -43,8 +43,9 @@ class LogData {
 
   /// The state as JSON: {"state": "building", "done": 0…1}, {"state": "failed", "error": …}, or
   /// {"state": "ready", "bytes", "nodes_at", "nodes", "runs_at", "runs", "octree": description}.
-  /// The first call begins to build the octree, or opens it from the cache.
-  std::string state();
+  /// The first call begins to build the octree, or opens it from the cache. An octree that has to
+  /// be built is {"state": "absent"} as long as no call has `build`.
+  std::string state(bool build = true);
   /// The octree, or null while it is not ready.
   std::shared_ptr<const OctreeFile> octree();
 

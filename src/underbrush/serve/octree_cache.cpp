@@ -66,6 +66,12 @@ std::filesystem::path octree_place(const std::filesystem::path& log,
   return cache / (log.stem().string() + "-" + hash_of(full) + ".octree");
 }
 
+std::shared_ptr<const OctreeFile> kept_octree(const std::filesystem::path& log,
+                                              const std::filesystem::path& cache) {
+  if (!std::filesystem::exists(log)) return nullptr;
+  return opened(octree_place(log, cache), source_of(log));
+}
+
 std::shared_ptr<const OctreeFile> cached_octree(
     const std::filesystem::path& log, const std::filesystem::path& cache,
     const std::function<void(size_t done, size_t total)>& progress) {

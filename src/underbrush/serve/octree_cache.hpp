@@ -18,6 +18,11 @@ std::filesystem::path user_cache();
 std::filesystem::path octree_place(const std::filesystem::path& log,
                                    const std::filesystem::path& cache);
 
+/// Returns the octree of a log that the cache holds, or null where it holds none, or one of a file
+/// of another size or time of change, or where there is no such log.
+std::shared_ptr<const OctreeFile> kept_octree(const std::filesystem::path& log,
+                                              const std::filesystem::path& cache);
+
 /// Opens the octree of a log. Unless the cache holds one of a file of the same path, size and time
 /// of change, it is built and put there, whole or not at all. Throws `FormatError` where the log
 /// cannot be read, `DataError` where it has scans without beams, and what `build_octree` throws.
