@@ -143,7 +143,10 @@ class Opener {
       if (std::isfinite(t)) first = std::min(first, t);
     }
     if (std::isfinite(first) && first > 100) start = first;
-    constexpr double kStanding = 3600;  // s
+    constexpr double kStanding = 3600, kLatest = 1e12;  // s
+    if (std::abs(start) > kLatest) {
+      throw FormatError(path_.string(), "", "its times are beyond 10^12 s");
+    }
     PoseList standing;
     standing.pose = {pose, pose, pose};
     standing.time_s = {start - kStanding, start, start + kStanding};
