@@ -40,6 +40,12 @@ enum Tag : uint16_t {
   kNoData = 42113,
 };
 
+/// Returns a number of a file as a code, which is a small whole number; −1 for others.
+int code_of(double value) { return std::abs(value) < 1e9 ? int(value) : -1; }
+
+/// Returns a number of a file as a count, 2⁵³ at most.
+uint64_t count_of(double value) { return value >= 1 ? uint64_t(std::min(value, 0x1p53)) : 0; }
+
 /// The first directory of a TIFF file.
 class Tiff {
  public:
@@ -84,6 +90,8 @@ class Tiff {
     const std::vector<double> found = numbers(tag);
     return found.empty() ? otherwise : found[0];
   }
+  /// The same as a code, which is a small whole number; −1 for others.
+  int code(Tag tag, int otherwise) const { return code_of(number(tag, otherwise)); }
   bool big_endian() const { return swap_; }
   /// The bytes from `at` on, at most `most` of them.
   std::string_view bytes(uint64_t at, uint64_t most) const {
@@ -121,7 +129,7 @@ void check_kind(const Tiff& tiff, int format, int bits) {
   const bool known = format == 3
                          ? bits == 32 || bits == 64
                          : (format == 1 || format == 2) && (bits == 8 || bits == 16 || bits == 32);
-  const std::string unread = unread_compression(int(tiff.number(kCompression, 1)));
+  const std::string unread = unread_compression(tiff.code(kCompression, 1));
   if (!unread.empty()) tiff.fail("", "is compressed by " + unread + kConvert);
   const double predictor = tiff.number(kPredictor, 1);
   if (predictor != 1 && predictor != 2 && !(predictor == 3 && format == 3)) {
@@ -139,7 +147,7 @@ void check_kind(const Tiff& tiff, int format, int bits) {
 int geo_key(const Tiff& tiff, int key) {
   const std::vector<double> keys = tiff.numbers(kGeoKeys);
   for (size_t k = 4; k + 3 < keys.size(); k += 4) {
-    if (keys[k] == key && keys[k + 1] == 0) return int(keys[k + 3]);
+    if (keys[k] == key && keys[k + 1] == 0) return code_of(keys[k + 3]);
   }
   return 0;
 }
@@ -226,9 +234,8 @@ Pieces pieces_of(const Tiff& tiff, const Raster& raster) {
   out.tiled = tiff.has(kTileOffsets);
   out.offset = tiff.numbers(out.tiled ? kTileOffsets : kStripOffsets);
   out.bytes = tiff.numbers(out.tiled ? kTileBytes : kStripBytes);
-  out.across =
-      uint64_t(out.tiled ? std::max(1.0, tiff.number(kTileWidth, 0)) : double(raster.columns));
-  out.down = uint64_t(std::max(1.0, out.tiled ? tiff.number(kTileHeight, 0)
+  out.across = out.tiled ? count_of(std::max(1.0, tiff.number(kTileWidth, 0))) : raster.columns;
+  out.down = count_of(std::max(1.0, out.tiled ? tiff.number(kTileHeight, 0)
                                               : tiff.number(kRowsPerStrip, double(raster.rows))));
   if (!out.tiled) out.down = std::min<uint64_t>(out.down, raster.rows);
   out.in_row = (raster.columns + out.across - 1) / out.across;
@@ -239,8 +246,8 @@ Pieces pieces_of(const Tiff& tiff, const Raster& raster) {
       4.0 * double(kMostCells)) {
     tiff.fail("", "has tiles that are much larger than its map");
   }
-  out.coding = {int(tiff.number(kCompression, 1)), int(tiff.number(kPredictor, 1)),
-                int(tiff.number(kBits, 1)), size_t(out.across), tiff.big_endian()};
+  out.coding = {tiff.code(kCompression, 1), tiff.code(kPredictor, 1), tiff.code(kBits, 1),
+                size_t(out.across), tiff.big_endian()};
   return out;
 }
 
@@ -257,7 +264,7 @@ void read_piece(const Tiff& tiff, const Pieces& pieces, int format, uint64_t pie
                         : piece < pieces.bytes.size() ? pieces.bytes[piece]
                                                       : double(kMostBytes);
   const auto samples = decode_tiff_piece(
-      tiff.bytes(uint64_t(pieces.offset[piece]), uint64_t(stored)), pieces.coding, size);
+      tiff.bytes(count_of(pieces.offset[piece]), count_of(stored)), pieces.coding, size);
   if (!samples) {
     tiff.fail(std::string(pieces.tiled ? "tile " : "strip ") + std::to_string(piece),
               plain ? "the file ends before its last row, truncated" : "is damaged or truncated");
@@ -291,7 +298,7 @@ void check_heights(const Tiff& tiff, const Raster& map) {
 
 Raster read_geotiff(const std::filesystem::path& path, std::map<std::string, size_t>& left_out) {
   const Tiff tiff(path.string(), read_file(path, kMostBytes));
-  const int format = int(tiff.number(kSampleFormat, 1)), bits = int(tiff.number(kBits, 1));
+  const int format = tiff.code(kSampleFormat, 1), bits = tiff.code(kBits, 1);
   check_kind(tiff, format, bits);
   const double width = tiff.number(kWidth, 0), height = tiff.number(kHeight, 0);
   if (!(width >= 1 && height >= 1 && width * height <= double(kMostCells))) {
