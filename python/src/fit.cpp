@@ -14,6 +14,7 @@
 #include "option_table.hpp"
 #include "underbrush/io/hash.hpp"
 #include "underbrush/io/json_text.inl"
+#include "underbrush/io/log_sequence.hpp"
 #include "underbrush/pipeline/fit_json.inl"
 #include "watched.hpp"
 
@@ -30,9 +31,11 @@ pipeline::Provenance with_hashes(const std::string& text) {
   };
 }
 
-std::vector<std::filesystem::path> files_of(const GivenLog& log) {
+using Files = std::vector<std::filesystem::path>;
+
+Files files_of(const GivenLog& log) {
   const auto* path = std::get_if<std::filesystem::path>(&log);
-  return path ? std::vector{*path} : std::vector<std::filesystem::path>();
+  return path ? Files{*path} : Files();
 }
 
 template <class Trained>
@@ -44,8 +47,9 @@ ModelValue value_of(Trained trained, const BeamSource& log) {
   return out;
 }
 
-ModelValue fitted(const GivenLog& log, const nb::dict& parameters, uint64_t seed,
-                  const sensor::Sensor* sensor, const update::FitLogOptions& of_log,
+/// Fits a model to a log, or to the files of several.
+ModelValue fitted(const std::variant<GivenLog, Files>& logs, const nb::dict& parameters,
+                  uint64_t seed, const sensor::Sensor* sensor, const update::FitLogOptions& of_log,
                   const std::string& provenance, const nb::object& progress) {
   fit::FitOptions options;
   set_fit_options(options, parameters, seed, sensor);
@@ -53,11 +57,13 @@ ModelValue fitted(const GivenLog& log, const nb::dict& parameters, uint64_t seed
   if (of_log.echoes == "all") fit::take_all_echoes(options, parameters.contains("keyframes"));
   ModelValue out;
   run_watched(progress, [&](const Hook& hook) {
-    const std::unique_ptr<BeamSource> beams = source_of(log, true);
+    const auto* log = std::get_if<GivenLog>(&logs);
+    const Files files = log ? files_of(*log) : std::get<Files>(logs);
+    const std::unique_ptr<BeamSource> beams =
+        log ? source_of(*log, true) : std::make_unique<io::LogSequence>(files);
     WatchedSource source(*beams, hook, "fit");
-    out = value_of(
-        pipeline::fit_model({source, files_of(log)}, options, with_hashes(provenance), hook),
-        *beams);
+    out = value_of(pipeline::fit_model({source, files}, options, with_hashes(provenance), hook),
+                   *beams);
   });
   return out;
 }
@@ -104,8 +110,8 @@ void bind_fit(nb::module_& m) {
       "Returns the table of the parameters of a fit: name, type, default, unit and help.");
   bind_options<update::FitLogOptions>(m, "FitLogOptions", "fit_log", &update::fit_log_options);
   m.def("fitters", &fit::fitter_names, "Returns the names of the fitters.");
-  m.def("fit", &fitted, "log"_a, "parameters"_a, "seed"_a, "sensor"_a.none(), "of_log"_a,
-        "provenance"_a, "progress"_a.none(), "Fits a model to a log.");
+  m.def("fit", &fitted, "logs"_a, "parameters"_a, "seed"_a, "sensor"_a.none(), "of_log"_a,
+        "provenance"_a, "progress"_a.none(), "Fits a model to a log or several.");
   m.def("update", &updated, "log"_a, "model"_a, "options"_a, "provenance"_a, "progress"_a.none(),
         "Adds a log to a model.");
 }

@@ -3,6 +3,7 @@
 #include "underbrush/core/first_echoes.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/io/log_file.hpp"
+#include "underbrush/io/log_sequence.hpp"
 
 namespace underbrush::python {
 namespace {
@@ -63,6 +64,7 @@ BeamLog joined(std::vector<BeamLog> chunks) {
 
 std::map<std::string, size_t> skipped_in(const BeamSource& source) {
   if (const auto* reader = dynamic_cast<const io::LogReader*>(&source)) return reader->skipped();
+  if (const auto* logs = dynamic_cast<const io::LogSequence*>(&source)) return logs->skipped();
   return {};
 }
 

@@ -39,6 +39,24 @@ def test_fit(run: Callable[..., str], log_file: pathlib.Path, tmp_path: pathlib.
     same_models(tmp_path / "program", tmp_path / "python")
 
 
+def test_fit_of_several_logs(run: Callable[..., str], log_file: pathlib.Path, tmp_path: pathlib.Path) -> None:
+    other = tmp_path / "other.ublog"
+    log = underbrush.read_log(log_file)
+    log.origin[:, 0] += 1
+    underbrush.write_log(other, log)
+    run("fit", log_file, other, "-o", tmp_path / "program")
+    model = underbrush.fit([log_file, other], tmp_path / "python")
+    same_models(tmp_path / "program", tmp_path / "python")
+    assert underbrush.report_of(model)["beams"] == 2 * len(log)
+    for logs in ([log_file, log], [log, log]):
+        with pytest.raises(TypeError):
+            underbrush.fit(logs)  # type: ignore[list-item]
+    with pytest.raises(ValueError, match="adds one log"):
+        underbrush.fit([log_file, other], update=model)
+    with pytest.raises(underbrush.FormatError, match="twice"):
+        underbrush.fit([log_file, log_file])
+
+
 def test_fit_in_memory(log_file: pathlib.Path, model: underbrush.Model) -> None:
     again = underbrush.fit(underbrush.read_log(log_file))
     for name in ("mean", "covariance", "hit_probability", "hits", "misses", "label"):

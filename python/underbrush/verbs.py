@@ -5,7 +5,7 @@ import json
 import os
 import tempfile
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, TypeGuard, overload
 
 from underbrush import _core
 from underbrush._core import BeamLog, Model, ObjectLists, Primitives, Scene, Score, Sensor, Trajectory, Tuning
@@ -50,6 +50,10 @@ def _divided(table: Sequence[tuple[str, ...]], options: Mapping[str, Any]) -> tu
             {name: value for name, value in options.items() if name not in names})
 
 
+def _are_several(log: Log | Sequence[Path]) -> TypeGuard[Sequence[Path]]:
+    return isinstance(log, Sequence) and not isinstance(log, str)
+
+
 def _sensor(sensor: Sensor | str | None) -> Sensor | None:
     return Sensor(sensor) if isinstance(sensor, str) else sensor
 
@@ -63,7 +67,7 @@ def report_of(value: Model | Scene | Primitives | ObjectLists) -> dict[str, Any]
     return report
 
 
-def fit(log: Log, output: Path | None = None, *, seed: int = 1, sensor: Sensor | str | None = None,
+def fit(log: Log | Sequence[Path], output: Path | None = None, *, seed: int = 1, sensor: Sensor | str | None = None,
         update: Model | Path | None = None, progress: Progress | None = None,
         **options: Unpack[FitParameters]) -> Model:
     """Learns a model from a log: ground mesh, ellipsoids, hit probabilities.
@@ -71,7 +75,8 @@ def fit(log: Log, output: Path | None = None, *, seed: int = 1, sensor: Sensor |
     `options` are those of `underbrush fit` with `_` for `-`, such as `fitter`, `tau` and `clusters_per_point`.
     The footprint of the beam of `sensor` is removed from the ellipsoids. With `echoes` "all", each echo is treated as a
     beam, and hit probabilities are shares of the light. With `output`, the model's folder is written too. The log is
-    read in chunks, so a path may be that of a log larger than memory. `report_of` has the counts.
+    read in chunks, so a path may be that of a log larger than memory. `report_of` has the counts. A sequence of paths
+    is that of logs of one sensor in one world frame, which are read one after another.
 
     With `update`, the log is added to that model, with its parameters, and the grown model is returned. The model must
     have been fitted to the file of a log; `logs` is the folder that now holds its earlier logs, if they were moved. A
@@ -86,8 +91,11 @@ def fit(log: Log, output: Path | None = None, *, seed: int = 1, sensor: Sensor |
         raise ValueError("fit: the parameters of a model hold, so update excludes parameters, sensor, echoes and seed")
     with _shown(progress) as shown:
         if update is None:
-            model = _core.fit(_log(log), given, seed, _sensor(sensor), core, _provenance("fit", seed, **given), shown)
+            logs = [_log(path) for path in log] if _are_several(log) else _log(log)
+            model = _core.fit(logs, given, seed, _sensor(sensor), core, _provenance("fit", seed, **given), shown)
         else:
+            if _are_several(log):
+                raise ValueError("fit: update adds one log")
             model = _core.update(_log(log), update, core, _provenance("fit", seed), shown)
     if output is not None:
         _core.write_model(output, model)
