@@ -56,5 +56,31 @@ TEST(OutOfReach, GroundInOtherCoordinatesThanTheRest) {
   EXPECT_EQ(ground_elsewhere(sensor, scene), "");
 }
 
+TEST(OutOfReach, WorldsInMillimetresAreLarge) {
+  const auto world = [](double width, double height) {
+    Bounds box;
+    box.add(Vec3(0, 0, 0));
+    box.add(Vec3(width, width / 2, height));
+    return larger_than_life(box);
+  };
+  EXPECT_NE(world(10000, 4000).find("--unit 0.001"), std::string::npos);  // a room
+  EXPECT_NE(world(5000, 15000), "");                                      // a tree
+  EXPECT_EQ(world(10, 4), "");
+  EXPECT_EQ(world(5000, 1200), "");  // mountains
+  EXPECT_EQ(larger_than_life(Bounds()), "");
+}
+
+TEST(OutOfReach, TrajectoriesInMillimetresAreFast) {
+  const auto path = [](double step_m) {
+    std::vector<StampedPose> poses;
+    for (int k = 0; k < 5; ++k) poses.push_back({0.1 * k, {{}, Vec3(step_m * k, 0, 0)}});
+    for (StampedPose& pose : poses) pose.world_from_sensor.rotation.setIdentity();
+    return faster_than_life(Trajectory(poses));
+  };
+  EXPECT_NE(path(1500).find("15000 m/s"), std::string::npos);
+  EXPECT_EQ(path(25), "");  // an aircraft
+  EXPECT_EQ(faster_than_life(Trajectory()), "");
+}
+
 }  // namespace
 }  // namespace underbrush::pipeline

@@ -1,8 +1,9 @@
 /// \file
-/// The reason for which no beam of a simulation meets anything.
+/// The reasons for which no beam of a simulation meets anything, and signs of wrong units.
 #pragma once
 #include <string>
 
+#include "underbrush/core/pose.hpp"
 #include "underbrush/metrics/bounds.hpp"
 
 namespace underbrush::pipeline {
@@ -20,5 +21,12 @@ std::string other_coordinates(const metrics::Bounds& sensor, const metrics::Boun
 /// Returns one line with the places of the sensor and of the ground if all ground of a scene is so
 /// far away, whatever else is near; else nothing.
 std::string ground_elsewhere(const metrics::Bounds& sensor, const elements::Scene& scene);
+
+/// Returns a warning about a world that is more than 200 m and a third of its width high, as those
+/// in millimetres are; else "".
+std::string larger_than_life(const metrics::Bounds& world);
+
+/// Returns a warning about a trajectory on which the median speed is more than 400 m/s; else "".
+std::string faster_than_life(const Trajectory& path);
 
 }  // namespace underbrush::pipeline
