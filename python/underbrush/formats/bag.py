@@ -266,8 +266,8 @@ class BagRecording:
 
     def ask_poses(self) -> str:
         """The error line that names the option for poses, if there are none."""
-        ask = self._lidar.ask
-        return f"{self.path}: {ask if '--poses' in ask else NO_POSES.replace('no poses in it', ask or 'no poses in it')}"
+        ask = self._lidar.ask or "no poses in it" + self._messages.only({"NavSatFix", "PoseArray", "Imu", "NavSatStatus"})
+        return f"{self.path}: {ask if '--poses' in ask else NO_POSES.replace('no poses in it', ask)}"
 
     def _all_messages(self, topic: str, skipped: collections.Counter[str]) -> Iterator[tuple[str, int, bytes]]:
         """The topic's messages; `bytes_done` is kept up to date."""
