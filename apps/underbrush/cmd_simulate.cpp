@@ -272,7 +272,7 @@ void run(const Verb& verb, Arguments& a) {
       pipeline::simulate_log(simulation, beams.source(), write, std::ref(progress));
   if (std::string note = text_of_other_sensor(a, beams.source().info()); !note.empty())
     counts.warnings.push_back(std::move(note));
-  if (std::string note = pipeline::faster_than_life(beams.path()); !note.empty())
+  for (std::string& note : pipeline::warnings_of_path(beams.path()))
     counts.warnings.push_back(std::move(note));
   waveforms.write(simulation.sensor());
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();

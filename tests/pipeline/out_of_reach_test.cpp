@@ -70,16 +70,23 @@ TEST(OutOfReach, WorldsInMillimetresAreLarge) {
   EXPECT_EQ(larger_than_life(Bounds()), "");
 }
 
-TEST(OutOfReach, TrajectoriesInMillimetresAreFast) {
-  const auto path = [](double step_m) {
-    std::vector<StampedPose> poses;
-    for (int k = 0; k < 5; ++k) poses.push_back({0.1 * k, {{}, Vec3(step_m * k, 0, 0)}});
-    for (StampedPose& pose : poses) pose.world_from_sensor.rotation.setIdentity();
-    return faster_than_life(Trajectory(poses));
+TEST(OutOfReach, TrajectoriesInOtherUnitsAndOrders) {
+  const auto warned = [](double step_m, const Eigen::Quaterniond& turn) {
+    std::vector<StampedPose> poses(5);
+    for (int k = 0; k < 5; ++k) {
+      poses[size_t(k)].time_s = 0.1 * k;
+      poses[size_t(k)].world_from_sensor = {turn, Vec3(step_m * k, 0, 0)};
+    }
+    const std::vector<std::string> found = warnings_of_path(Trajectory(poses));
+    return found.empty() ? "" : found.at(0);
   };
-  EXPECT_NE(path(1500).find("15000 m/s"), std::string::npos);
-  EXPECT_EQ(path(25), "");  // an aircraft
-  EXPECT_EQ(faster_than_life(Trajectory()), "");
+  const Eigen::Quaterniond upright = Eigen::Quaterniond::Identity();
+  EXPECT_NE(warned(1500, upright).find("15000 m/s"), std::string::npos);
+  EXPECT_EQ(warned(25, upright), "") << "an aircraft";
+  EXPECT_NE(warned(1, Eigen::Quaterniond(0, 1, 0, 0)).find("qw qx qy qz?"), std::string::npos);
+  EXPECT_EQ(warned(1, Eigen::Quaterniond(std::sqrt(0.5), 0, std::sqrt(0.5), 0)), "")
+      << "on its side";
+  EXPECT_TRUE(warnings_of_path(Trajectory()).empty());
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "underbrush/core/median.hpp"
+#include "underbrush/pipeline/pose_checks.hpp"
 
 namespace underbrush::pipeline {
 namespace {
@@ -98,18 +99,27 @@ std::string larger_than_life(const Bounds& world) {
          " high: are its coordinates in mm? Then --unit 0.001";
 }
 
-std::string faster_than_life(const Trajectory& path) {
+std::vector<std::string> warnings_of_path(const Trajectory& path) {
   constexpr double kFast = 400;  // m/s
   std::vector<double> speed;
-  for (size_t k = 1; k < path.poses().size(); ++k) {
-    const StampedPose &a = path.poses()[k - 1], &b = path.poses()[k];
-    speed.push_back((b.world_from_sensor.translation - a.world_from_sensor.translation).norm() /
-                    (b.time_s - a.time_s));
+  std::vector<ScanInfo> places;
+  for (const StampedPose& b : path.poses()) {
+    if (!places.empty()) {
+      const ScanInfo& a = places.back();
+      speed.push_back((b.world_from_sensor.translation - a.world_from_sensor.translation).norm() /
+                      (b.time_s - a.time_s));
+    }
+    places.push_back({0, b.time_s, b.world_from_sensor});
   }
+  std::vector<std::string> out;
   const double usual = median(speed);
-  if (usual < kFast) return "";
-  return "by its trajectory the sensor moves at " + number("%.0f", usual) +
-         " m/s: are positions in mm, or times not in s?";
+  if (usual >= kFast) {
+    out.push_back("by its trajectory the sensor moves at " + number("%.0f", usual) +
+                  " m/s: are positions in mm, or times not in s?");
+  }
+  if (places.empty()) return out;
+  if (std::string tilt = warning_of_tilt(places); !tilt.empty()) out.push_back(std::move(tilt));
+  return out;
 }
 
 }  // namespace underbrush::pipeline

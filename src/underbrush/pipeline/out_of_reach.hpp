@@ -2,6 +2,7 @@
 /// The reasons for which no beam of a simulation meets anything, and signs of wrong units.
 #pragma once
 #include <string>
+#include <vector>
 
 #include "underbrush/core/pose.hpp"
 #include "underbrush/metrics/bounds.hpp"
@@ -26,7 +27,8 @@ std::string ground_elsewhere(const metrics::Bounds& sensor, const elements::Scen
 /// in millimetres are; else "".
 std::string larger_than_life(const metrics::Bounds& world);
 
-/// Returns a warning about a trajectory on which the median speed is more than 400 m/s; else "".
-std::string faster_than_life(const Trajectory& path);
+/// Returns warnings about a trajectory on which the median speed is more than 400 m/s, or whose
+/// quaternions seem to have w first (`warning_of_tilt`).
+std::vector<std::string> warnings_of_path(const Trajectory& path);
 
 }  // namespace underbrush::pipeline

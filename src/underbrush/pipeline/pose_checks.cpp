@@ -45,22 +45,6 @@ std::string warning_of_climb(const std::vector<ScanInfo>& scans) {
          " m: are they poses of a camera, whose z points ahead?";
 }
 
-std::string warning_of_tilt(const std::vector<ScanInfo>& scans) {
-  constexpr double kUpright = 0.94, kTilted = 0.7, kMost = 0.8;  // cosines; of the poses
-  size_t tilted = 0, upright = 0;
-  for (const ScanInfo& scan : scans) {
-    const Eigen::Quaterniond& q = scan.world_from_sensor.rotation;
-    // The four numbers in their order, with w taken as the first.
-    const Eigen::Quaterniond w_first(q.x(), q.y(), q.z(), q.w());
-    tilted += (q * Vec3::UnitZ()).z() < kTilted;
-    upright += (w_first.normalized() * Vec3::UnitZ()).z() > kUpright;
-  }
-  const double most = kMost * double(scans.size());
-  if (double(tilted) < most || double(upright) < most) return "";
-  return "by the poses the sensor lies on its side or its head, and is upright with w first: are "
-         "their quaternions qw qx qy qz? Then say so in a line above them: # t x y z qw qx qy qz";
-}
-
 /// A way to read poses, the first as they are.
 struct Reading {
   const char* what;
@@ -260,6 +244,22 @@ std::string warning_of_ground(ScanSource& scans, const std::vector<ScanInfo>& in
 }
 
 }  // namespace
+
+std::string warning_of_tilt(const std::vector<ScanInfo>& scans) {
+  constexpr double kUpright = 0.94, kTilted = 0.7, kMost = 0.8;  // cosines; of the poses
+  size_t tilted = 0, upright = 0;
+  for (const ScanInfo& scan : scans) {
+    const Eigen::Quaterniond& q = scan.world_from_sensor.rotation;
+    // The four numbers in their order, with w taken as the first.
+    const Eigen::Quaterniond w_first(q.x(), q.y(), q.z(), q.w());
+    tilted += (q * Vec3::UnitZ()).z() < kTilted;
+    upright += (w_first.normalized() * Vec3::UnitZ()).z() > kUpright;
+  }
+  const double most = kMost * double(scans.size());
+  if (double(tilted) < most || double(upright) < most) return "";
+  return "by the poses the sensor lies on its side or its head, and is upright with w first: are "
+         "their quaternions qw qx qy qz? Then say so in a line above them: # t x y z qw qx qy qz";
+}
 
 bool are_tilted(const std::vector<ScanInfo>& scans) {
   constexpr double kTilted = 0.8, kMost = 0.8;  // cosine; of the poses

@@ -12,6 +12,10 @@ namespace underbrush::pipeline {
 /// and a motion that is mostly up or down.
 std::vector<std::string> warnings_of_poses(const std::vector<ScanInfo>& scans);
 
+/// Returns a warning where most poses have the sensor on its side or its head, and upright with w
+/// as the first number of their quaternions; else "".
+std::string warning_of_tilt(const std::vector<ScanInfo>& scans);
+
 /// Whether most sensors are tilted by more than 37°, as few are.
 bool are_tilted(const std::vector<ScanInfo>& scans);
 
