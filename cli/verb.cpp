@@ -115,22 +115,32 @@ void Verb::check_all_outputs() const {
   check_outputs(outputs, inputs, force);
 }
 
-void Verb::report(const Json& results, const std::string& table) const {
-  if (json != "-" && !(std::cout << table << std::flush)) {
-    throw IoError("standard output: cannot write");
+void Verb::cannot_write(const std::string& place) const {
+  std::string written;
+  for (const OutputOption& option : output_options_) {
+    for (const fs::path& path : option.paths()) {
+      std::error_code error;
+      if (path.empty() || is_device(path) || path == json || !fs::exists(path, error)) continue;
+      written += (written.empty() ? "; whole are: " : ", ") + path.string();
+    }
   }
+  throw IoError(place + ": cannot write" + written);
+}
+
+void Verb::report(const Json& results, const std::string& table) const {
+  if (json != "-" && !(std::cout << table << std::flush)) cannot_write("standard output");
   if (json.empty()) return;
   Json all = results;
   if (all.is_object() && !all.contains("program"))
     all["program"] = "underbrush " UNDERBRUSH_VERSION;
   const std::string text = io::text_of_json(all, 2) + "\n";
   if (json == "-") {
-    if (!(std::cout << text << std::flush)) throw IoError("standard output: cannot write");
+    if (!(std::cout << text << std::flush)) cannot_write("standard output");
     return;
   }
   if (is_device(json)) {
     std::ofstream out(json);
-    if (!(out << text << std::flush)) throw IoError(json + ": cannot write");
+    if (!(out << text << std::flush)) cannot_write(json);
     return;
   }
   io::write_atomically(json, text);

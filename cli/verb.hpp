@@ -85,6 +85,8 @@ class Verb {
   };
 
   std::vector<std::string> command_of_result() const;
+  /// Throws `IoError` for results that cannot be written there, which names the outputs that are.
+  [[noreturn]] void cannot_write(const std::string& place) const;
 
   const Program& program_;
   std::shared_ptr<HelpFormatter> help_;

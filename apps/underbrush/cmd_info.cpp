@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <iostream>
 #include <map>
 
 #include "cli/progress.hpp"
@@ -7,7 +8,9 @@
 #include "report/light_text.hpp"
 #include "report/log_text.hpp"
 #include "report/world_text.hpp"
+#include "stages.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/range_unit.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/elements/scene_file.hpp"
 #include "underbrush/io/hash.hpp"
@@ -210,13 +213,21 @@ void run(const Verb& verb, const Arguments& a) {
                     "): import it first, then ask for info on the result");
   }
   pipeline::LogContents contents;
+  RangeUnit unit;
   Progress progress("info");
   for (BeamLog chunk; input.beams->next(chunk);) {
     contents.add(chunk);
+    unit.add(chunk);
     progress(contents.beams, input.beams->size());
   }
-  const Json j = report::json_of_log(input, contents);
-  verb.report(j, report::table_of_log(file, input.beams->info(), contents, j));
+  Json j = report::json_of_log(input, contents);
+  std::string table = report::table_of_log(file, input.beams->info(), contents, j);
+  if (const std::string warning = unit.warning(); !warning.empty()) {
+    j["warnings"] = {warning};
+    table += text_of_warnings({warning});
+    std::cerr << "underbrush: warning: " << warning << "\n";
+  }
+  verb.report(j, table);
 }
 
 }  // namespace info_verb

@@ -15,6 +15,7 @@
 #include "underbrush/io/export.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/io/poses.hpp"
+#include "underbrush/pipeline/out_of_reach.hpp"
 #include "underbrush/pipeline/requested_beams.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 #include "underbrush/regions/world_folder.hpp"
@@ -270,6 +271,8 @@ void run(const Verb& verb, Arguments& a) {
   pipeline::SimulateCounts counts =
       pipeline::simulate_log(simulation, beams.source(), write, std::ref(progress));
   if (std::string note = text_of_other_sensor(a, beams.source().info()); !note.empty())
+    counts.warnings.push_back(std::move(note));
+  for (std::string& note : pipeline::warnings_of_path(beams.path()))
     counts.warnings.push_back(std::move(note));
   waveforms.write(simulation.sensor());
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();

@@ -12,6 +12,7 @@
 #include "bind.hpp"
 #include "given.hpp"
 #include "option_table.hpp"
+#include "underbrush/core/range_unit.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/osi/list_file.hpp"
 #include "underbrush/pipeline/beam_checks.hpp"
@@ -176,6 +177,11 @@ void bind_log_verbs(nb::module_& m) {
       .def("add", &pipeline::BeamChecks::add, "beams"_a, "Takes the next beams of a log.")
       .def("warnings", &pipeline::BeamChecks::warnings, nb::call_guard<nb::gil_scoped_release>(),
            "Returns what does not fit in the first scans, each with its likely cause.");
+  nb::class_<RangeUnit>(m, "RangeUnit", "Whether the ranges of a log are in metres.")
+      .def(nb::init<>())
+      .def("add", &RangeUnit::add, "beams"_a,
+           "Takes the next beams of a log. Returns whether more are wanted.")
+      .def("warning", &RangeUnit::warning, "Returns what is wrong with the log, or nothing.");
   bind_options(m, "SplitOptions", "split", &pipeline::split_options);
   m.def("split", &split, "log"_a, "options"_a, "progress"_a.none(),
         "Splits a log into a part for training and one for tests.");

@@ -341,3 +341,23 @@ def test_damaged_files_are_refused_in_one_line(tmp_path: pathlib.Path) -> None:
         open_recording(tmp_path / "text")
     with pytest.raises(FileNotFoundError):
         open_recording(tmp_path / "absent.bag")
+
+
+def test_topics_that_are_not_read_are_named(tmp_path: pathlib.Path) -> None:
+    """Places without rotations, and scans in a plane, are no poses and no clouds."""
+    with bag(tmp_path / "a") as out:
+        out.cloud("/points", 1.6e9, some_points())
+        at, turn = out.pose_parts(np.zeros(3), np.array([0, 0, 0, 1]))
+        kind = "geometry_msgs/msg/PoseArray"
+        pose = out.store.types["geometry_msgs/msg/Pose"](position=out.store.types["geometry_msgs/msg/Point"](*at),
+                                                         orientation=turn)
+        out.send("/array", kind, 1.6e9, out.store.types[kind](header=out.header(1.6e9, "map"), poses=[pose]))
+    with pytest.raises(OptionMissing, match=r"no poses in it, and /array .geometry_msgs/msg/PoseArray. is not read: add"):
+        next(beams(open_recording(tmp_path / "a")))
+    with bag(tmp_path / "b") as out:
+        kind = "sensor_msgs/msg/LaserScan"
+        out.send("/scan", kind, 1.6e9, out.store.types[kind](
+            header=out.header(1.6e9, "laser"), angle_min=0.0, angle_max=1.0, angle_increment=0.5, time_increment=0.0,
+            scan_time=0.1, range_min=0.1, range_max=9.0, ranges=np.ones(3, np.float32), intensities=np.zeros(0, np.float32)))
+    with pytest.raises(FormatError, match=r"no topic with point clouds .*, and /scan .sensor_msgs/msg/LaserScan. is not read"):
+        open_recording(tmp_path / "b")

@@ -215,6 +215,30 @@ def test_times_that_say_nothing_are_the_stamp_with_a_note(tmp_path: pathlib.Path
     assert re.search(note, said), said
 
 
+@pytest.mark.parametrize(("count", "time"), [("before", lambda t: t), ("until", lambda t: 0.099 - t), ("after", lambda t: -t)])
+def test_times_that_count_back_from_the_stamp(tmp_path: pathlib.Path, count: str, time: Callable[[Any], Any]) -> None:
+    """The clouds' stamps are those of their last points."""
+    azimuth = np.linspace(np.pi, -np.pi, 720)  # clockwise
+    before = np.linspace(0.099, 0, 720)
+    with bag(tmp_path / "d.bag", "ros1") as out:
+        for k in range(-3, 6):
+            out.transform("/tf", START_S + 0.1 * k, "map", "velodyne", [0.6 * k, 0, 1.8], [0, 0, 0, 1])
+        for k in range(3):
+            table = np.zeros(720, [(name, "<f4") for name in ("x", "y", "z", "t")])
+            table["x"], table["y"], table["t"] = 9 * np.cos(azimuth), 9 * np.sin(azimuth), time(before)
+            out.cloud("/points", START_S + 0.1 * k, table, "velodyne")
+
+    def off_m(count: str) -> tuple[float, list[str]]:
+        recording = open_recording(tmp_path / "d.bag", point_times=count)
+        found = np.sort(end_points(joined(list(beams(recording))))[:, 0])
+        right = [9 * np.cos(azimuth) + 0.6 * k - 6 * before for k in range(3)]
+        return float(np.abs(found - np.sort(np.concatenate(right))).max()), recording.notes()  # type: ignore[attr-defined]
+
+    assert off_m(count)[0] < 0.01 and not off_m(count)[1]
+    if count == "before":
+        assert off_m("after")[0] > 0.5 and "Then --point-times before" in off_m("after")[1][0]
+
+
 def identity(poses: Poses) -> npt.NDArray[np.float64]:
     return np.tile([0.0, 0, 0, 1], (len(poses.time_s), 1))
 

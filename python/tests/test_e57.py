@@ -13,6 +13,7 @@ pye57 = pytest.importorskip("pye57", reason="pye57 is not installed: pip install
 from format_data import end_points  # noqa: E402
 
 from underbrush.formats import FormatError, beams, open_recording  # noqa: E402
+from underbrush.import_recording import run  # noqa: E402
 
 
 def written(path: pathlib.Path, stations: int = 2) -> list[npt.NDArray[Any]]:
@@ -146,3 +147,27 @@ def test_stations_without_poses_are_said_to_stand_at_the_origin(tmp_path: pathli
     recording = open_recording(tmp_path / "a.e57")
     assert np.all(next(beams(recording))["origin"] == 0)
     assert "stand at the origin" in recording.notes()[0]  # type: ignore[attr-defined]
+
+
+def test_stations_in_mm(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A warning names the option with which they are those in m."""
+    points = np.random.default_rng(4).normal(size=(500, 3)) * [9, 9, 1]
+    for name, unit in (("m.e57", 1.0), ("mm.e57", 1e3)):
+        file = pye57.E57(str(tmp_path / name), mode="w")
+        station(file, unit * points, unit * np.array([5, 6, 1.5]), 0.2)
+        file.close()
+    assert run([str(tmp_path / "mm.e57"), "-o", str(tmp_path / "log.ply")]) == 0
+    assert "--unit mm" in capsys.readouterr().err
+    right = end_points(next(beams(open_recording(tmp_path / "m.e57"))))
+    np.testing.assert_allclose(end_points(next(beams(open_recording(tmp_path / "mm.e57", unit="mm")))), right, atol=1e-3)
+    assert run([str(tmp_path / "m.e57"), "-o", str(tmp_path / "log.ply"), "--force"]) == 0
+    assert not capsys.readouterr().err
+
+
+def test_angles_in_degrees_are_refused(tmp_path: pathlib.Path) -> None:
+    written(tmp_path / "a.e57", 1)
+    recording: Any = open_recording(tmp_path / "a.e57")
+    for azimuth, elevation in ((190.0, 0.1), (0.5, 30.0)):
+        with pytest.raises(FormatError, match="station 0: angles beyond a turn in radians: are they in degrees"):
+            recording._scan({"sphericalRange": np.full(9, 5.0), "sphericalAzimuth": np.full(9, azimuth),
+                             "sphericalElevation": np.full(9, elevation)}, 0, 0)

@@ -240,3 +240,19 @@ def test_a_row_with_part_of_a_place_is_a_miss() -> None:
     found = place(Scan(0, 0.0, xyz=broken, shape=(4, 100)), None, position=(0.0, 0.0, 0.0))
     assert len(found["range_m"]) == 400 and np.flatnonzero(np.isinf(found["range_m"])).tolist() == rows
     assert np.allclose(found["direction"], whole / 9, atol=2e-3)
+
+
+@pytest.mark.parametrize(("text", "reason"), [
+    ("1 2 3 0 0 0 1\n2 2 3 0 0 0 1\n", "have no times"),
+    ("0 1 2 3 0 0 0\n1 2 3 3 0 0 5\n", "t roll pitch yaw x y z or t x y z roll pitch yaw"),
+    ("t,x,y,z,roll,pitch,yaw\n0,1,2,3,0,0,1.5\n1,4,5,6,0,0,1.5\n", "radians or degrees")])
+def test_columns_that_may_be_others_are_asked_for(tmp_path: pathlib.Path, text: str, reason: str) -> None:
+    (tmp_path / "p.txt").write_text(text)
+    with pytest.raises(FormatError, match=reason):
+        read_poses(tmp_path / "p.txt")
+
+
+def test_square_matrices(tmp_path: pathlib.Path) -> None:
+    (tmp_path / "p.txt").write_text("9 1 0 0 5 0 1 0 6 0 0 1 7 0 0 0 1\n")
+    poses = read_poses(tmp_path / "p.txt")
+    assert poses.time_s.tolist() == [9] and poses.position.tolist() == [[5, 6, 7]]

@@ -87,7 +87,7 @@ def test_a_unit_that_a_user_names(tmp_path: pathlib.Path) -> None:
     recording = open_recording(tmp_path / "a.las", unit="ft")
     np.testing.assert_allclose(end_points(next(beams(recording, position=tuple(PLACE / FOOT)))), walls(), atol=1e-3)
     (tmp_path / "a.xyz").write_text("1.0 2.0 3.0 45.6 4.5 1 1 7 12 2 100.0001\n")
-    with pytest.raises(ValueError, match="--unit is for bags, LAS and LAZ files"):
+    with pytest.raises(ValueError, match="--unit is for bags, E57, LAS and LAZ files"):
         open_recording(tmp_path / "a.xyz", unit="ft")
 
 
@@ -104,7 +104,7 @@ def test_units_of_systems() -> None:
 
 
 @pytest.mark.parametrize(("records", "scales"), [(wkt(GEOGCS), 1e-7), (keys(k1024=2, k2048=4326), 1e-7),
-                                                 ([], [1e-7, 1e-7, 1e-3])])
+                                                 ([], [1e-7, 1e-7, 1e-3]), ([], 1e-7)])
 def test_degrees_are_refused(tmp_path: pathlib.Path, records: list[Any], scales: Any) -> None:
     written(tmp_path / "degrees.las", (walls() - PLACE) * [1e-5, 1e-5, 1] + [11.4, 48.1, 311], records, scales)
     recording = open_recording(tmp_path / "degrees.las")

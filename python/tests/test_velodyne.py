@@ -281,6 +281,13 @@ def test_a_model_that_the_packets_do_not_tell(tmp_path: pathlib.Path) -> None:
         PacketRecording(path, sensor="ouster-os1-64")
 
 
+def test_packets_of_another_model_than_the_named_one(tmp_path: pathlib.Path) -> None:
+    path = save(tmp_path / "a.pcap", packets_of(UNITS["hdl32e"], observe(UNITS["hdl32e"], 1200), 0x37))
+    for other in ("velodyne-vlp16", "velodyne-vlp32c", "velodyne-hdl64e"):
+        with pytest.raises(FormatError, match=f"those of a velodyne-hdl32e, not of --sensor {other}"):
+            PacketRecording(path, sensor=other)
+
+
 def test_other_traffic_has_one_line(tmp_path: pathlib.Path) -> None:
     path = tmp_path / "a.pcap"
     path.write_bytes(pf.pcap([(T0, pf.udp(b"hello", port=53)[0])] * 3))

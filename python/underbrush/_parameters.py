@@ -175,6 +175,9 @@ class ImportParameters(TypedDict, total=False):
     assets: str | os.PathLike[str]  #: Folder with the files of a survey of HELIOS++, besides the folder of the survey.
     frames: str  #: Scans to read, by number, half-open: A:B or A:B:STEP.
     deskew: str  #: Compute a pose for every beam from the timing of this sensor, for raw scans.
+    #: How times of points count: after the scan's time; before it, back from its last point; or until it, the time
+    #: of the last point (default after).
+    point_times: str
     #: With --deskew: use the times of scans unchanged instead of fitting a clock to rounded ones (default false).
     times_as_given: bool
     #: Leave out misses below this elevation, where beams may end at the own vehicle; by default, inferred misses

@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from underbrush._core import BeamChecks, LogWriter, check_outputs, set_threads, version
+from underbrush._core import BeamChecks, LogWriter, RangeUnit, check_outputs, set_threads, version
 from underbrush.errors import FormatError, failed
 from underbrush.formats.import_options import parsed
 
@@ -45,7 +45,7 @@ def opened(options: argparse.Namespace) -> Recording:
     from underbrush.formats import open_recording
     return open_recording(options.file, topic=options.topic or None, poses=options.poses, metadata=options.metadata,
                           sensor=options.sensor or None, frame=options.frame or None, clock=options.clock,
-                          unit=options.unit)
+                          unit=options.unit, point_times=options.point_times)
 
 
 def write(options: argparse.Namespace, recording: Recording, provenance: str) -> dict[str, object]:
@@ -64,13 +64,15 @@ def write(options: argparse.Namespace, recording: Recording, provenance: str) ->
         info.max_range_m = options.max_range
     if options.label_set:
         info.classes = options.label_set
-    checks = BeamChecks()
+    checks, unit = BeamChecks(), RangeUnit()
     measured = not options.max_range and not info.sensor  # The maximum range of the sensor is not known.
     with LogWriter(options.output, info, provenance, not options.float, measured) as writer:
         for chunk in chunks:
             writer.write(chunk)
             if info.scans:  # A survey has none, and an aircraft's ranges are long.
                 checks.add(chunk)
+            else:
+                unit.add(chunk)
             rows += len(chunk)
             hits += int((chunk.range_m < float("inf")).sum())
             progress(recording.bytes_done, rows)
@@ -84,7 +86,7 @@ def write(options: argparse.Namespace, recording: Recording, provenance: str) ->
             f" (see --infer-misses {recording.sensor or 'SENSOR'})" if hasattr(recording, "scan_times") else ""))
     return {"rows": rows, "hits": hits, "misses": rows - hits, "misses_inferred": infer.inferred if infer else 0,
             "unknown": infer.unknown if infer else 0, "skipped": dict(recording.skipped), "seconds": seconds,
-            "points_per_s": rows / max(seconds, 1e-9), "notes": notes, "warnings": checks.warnings()}
+            "points_per_s": rows / max(seconds, 1e-9), "notes": notes, "warnings": checks.warnings() + ([unit.warning()] if unit.warning() else [])}
 
 
 def nothing_in(recording: Recording, clock: str) -> str:
@@ -124,7 +126,7 @@ def report(options: argparse.Namespace, counts: dict[str, object], say: Callable
         say(f"  unknown     {counts['unknown']} beams without a known end: left out")
     skipped = counts["skipped"]
     if isinstance(skipped, (dict, collections.Counter)):
-        for why, n in skipped.items():
+        for why, n in ((why, n) for why, n in skipped.items() if n):
             say(f"  skipped     {n} records: {why}")
     for note in counts["notes"] if isinstance(counts["notes"], list) else ():
         say(f"  note: {note}")

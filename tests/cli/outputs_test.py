@@ -78,13 +78,19 @@ class Outputs(cli_test.OnALog):
                     done = subprocess.run([cli_test.PROGRAM, verb, *words], cwd=self.folder, stdout=full, text=True,
                                           stderr=subprocess.PIPE, timeout=60, check=False)
                     last = done.stderr.splitlines()[-1]
-                    self.assertEqual((done.returncode, last), (4, "underbrush: standard output: cannot write"))
+                    self.assertEqual(done.returncode, 4)
+                    self.assertRegex(last, "^underbrush: standard output: cannot write")
         for verb, words in cli_test.JOBS.items():
             self.assert_full_json(verb, words)
 
     def assert_full_json(self, verb, words):
+        """The line names the outputs that are written, which are whole."""
         done = cli_test.call(verb, *words, "--json", "/dev/full", cwd=self.folder)
-        self.assertEqual((done.returncode, done.stderr), (4, "underbrush: /dev/full: cannot write\n"))
+        written = words[words.index("-o") + 1] if "-o" in words else "cannot write"
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (4, 1), done.stderr)
+        self.assertRegex(done.stderr, "^underbrush: /dev/full: cannot write")
+        self.assertIn(written, done.stderr)
+        self.assertEqual("; whole are: " in done.stderr, verb != "info")
 
     def test_a_full_disk(self):
         self.run_all()

@@ -6,9 +6,13 @@ import pathlib
 import random
 import re
 import struct
+import sys
 import tempfile
 
 import cli_test
+
+sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "cases"))
+import cases_test  # noqa: E402
 
 NAMES = "x,y,z,ox,oy,oz,hit,time,intensity,ring,scan,packet,flags"
 
@@ -28,17 +32,17 @@ class Warnings(cli_test.Failing):
         self.assertEqual(done.returncode, 0, done.stderr)
         return done
 
-    def write_drive(self, turn=0.05, bend=0.03, step=1.0):
-        """Makes ten scans on a bend, 1 m apart, of 150 poles (seed 7), and their poses, right and inverted."""
+    def write_drive(self, turn=0.05, bend=0.03, step=1.0, scans=10):
+        """Makes scans on a bend, 1 m apart, of 150 poles (seed 7), and their poses, right and inverted."""
         rnd = random.Random(7)
         poles = [(rnd.uniform(-35, 45), rnd.uniform(-35, 35)) for _ in range(150)]
-        way = [(turn * k, step * k, bend * k * k) for k in range(10)]
+        way = [(turn * k, step * k, bend * k * k) for k in range(scans)]
         (self.folder / "velodyne").mkdir()
         right, inverted = [], []
         for k, (yaw, x, y) in enumerate(way):
             points = []
             for px, py in poles:
-                points += [(*turned(-yaw, px - x, py - y), 0.2 * step, 0.5) for step in range(-8, 20)]
+                points += [(*turned(-yaw, px - x, py - y), 0.2 * up, 0.5) for up in range(-8, 20)]
             (self.folder / f"velodyne/{k:06}.bin").write_bytes(b"".join(struct.pack("<4f", *p) for p in points))
             for rows, turn, (tx, ty) in ((right, yaw, (x, y)), (inverted, -yaw, turned(-yaw, -x, -y))):
                 c, s = math.cos(turn), math.sin(turn)
@@ -78,6 +82,47 @@ class Warnings(cli_test.Failing):
         (self.folder / "still.txt").write_text("1 0 0 0 0 1 0 0 0 0 1 0\n" * 10)
         self.assertEqual(self.call("import", ".", "--poses", "still.txt", "-o", "log.ply").stderr, "")
 
+    def test_a_slow_sensor_whose_poses_are_all_the_same(self):
+        """At 0.6 m/s a scan shows motion against one that is many scans earlier."""
+        self.write_drive(turn=0, bend=0, step=0.06, scans=40)
+        for name, said in (("right.txt", ""), ("still.txt", r"stands still, .* the one \d+ scans later .*all poses the same")):
+            (self.folder / "still.txt").write_text("1 0 0 0 0 1 0 0 0 0 1 0\n" * 40)
+            done = self.call("import", ".", "--poses", name, "-o", "log.ply")
+            self.assertRegex(done.stderr, said or r"\A\Z")
+            self.assertEqual(done.stderr.count("\n"), len(said) > 0, done.stderr)
+
+    def test_times_of_points_that_count_back(self):
+        """A sensor at 6 m/s passes a wall; its points' times count back from their scan's stamp, or up to it."""
+        (self.folder / "poses.txt").write_text("".join(f"{50 + 0.1 * k} {0.6 * k} 0 1.8 0 0 0 1\n" for k in range(-3, 5)))
+        (self.folder / "times.txt").write_text("50\n50.1\n50.2\n")
+        scans = self.folder / "scans"
+        scans.mkdir()
+        (scans / "times.txt").write_text("50\n50.1\n50.2\n")
+
+        def written(time_of, words):
+            right = []
+            for k in range(3):
+                rows = []
+                for j in range(720 * 16):
+                    before = 0.1 * (1 - (j // 16) / 720)  # s before the stamp; the sensor turns clockwise
+                    azimuth, e = math.pi - 2 * math.pi * (j // 16) / 720, math.radians(-15 + 2 * (j % 16))
+                    p = [20 * math.cos(e) * math.cos(azimuth), 20 * math.cos(e) * math.sin(azimuth), 20 * math.sin(e)]
+                    rows.append(struct.pack("<5f", *p, j % 16, time_of(before)))
+                    right.append(p[0] + 0.6 * k - 6 * before)
+                head = ("FIELDS x y z ring time\nSIZE 4 4 4 4 4\nTYPE F F F F F\nCOUNT 1 1 1 1 1\n"
+                        f"WIDTH {len(rows)}\nHEIGHT 1\nPOINTS {len(rows)}\nDATA binary\n")
+                (scans / f"{k}.pcd").write_bytes(head.encode() + b"".join(rows))
+            done = self.call("import", "scans", "--poses", "poses.txt", "--deskew", "velodyne-vlp16", *words, "-o", "log.ply")
+            found = sorted(row["x"] for row in cases_test.rows_of(self.folder / "log.ply"))
+            return max(abs(a - b) for a, b in zip(found, sorted(right))), done.stderr
+
+        for time_of, words, said in ((lambda t: -t, (), False), (lambda t: t, (), True), (lambda t: t, ("before",), False),
+                                     (lambda t: 0.1 - t, ("until",), False), (lambda t: -t, ("until",), False)):
+            with self.subTest(words):
+                off, stderr = written(time_of, ("--point-times", *words) if words else ())
+                self.assertEqual("--point-times before" in stderr, said, stderr)
+                self.assertEqual(off < 0.01, not said)
+
     def test_a_sensor_that_hangs_upside_down(self):
         """Poses that have the turn are right; those without it have the ground above the sensor."""
         (self.folder / "velodyne").mkdir()
@@ -100,9 +145,17 @@ class Warnings(cli_test.Failing):
         self.assertIn("in mm? Then --unit mm", done.stderr)
         self.call("import", "mm.csv", "--unit", "mm", "-o", "right.ply")
         self.call("import", "long.ply", "--unit", "mm", "-o", "again.ply")
-        done = cli_test.call("fit", "long.ply", "-o", "model", cwd=self.folder)
-        self.assertEqual((done.returncode, done.stderr.count("\n")), (3, 1), done.stderr)
-        self.assertIn("--unit mm", done.stderr)
+        (self.folder / "ground.obj").write_text("v -99 -99 -1\nv 99 -99 -1\nv 99 99 -1\nv -99 99 -1\nf 1 2 3 4\n")
+        for words in (("fit", "long.ply", "-o", "out"), ("segment", "long.ply", "-o", "out.ply"),
+                      ("movers", "long.ply", "-o", "out.ply"), ("score", "long.ply", "long.ply"),
+                      ("perceive", "long.ply", "--pipeline", "real", "-o", "out.csv"),
+                      ("simulate", "ground.obj", "--like", "long.ply", "-o", "out.ply")):
+            with self.subTest(words[0]):
+                done = cli_test.call(*words, cwd=self.folder)
+                self.assertEqual((done.returncode, done.stderr.count("\n")), (3, 1), done.stderr)
+                self.assertIn("--unit mm", done.stderr)
+                self.assertFalse((self.folder / words[-1]).exists() and words[0] != "score")
+        self.assertIn("--unit mm", self.call("info", "long.ply").stderr)
         long, right, again = (json.loads(self.call("info", f"{name}.ply", "--json", "-").stdout)
                               for name in ("long", "right", "again"))
         self.assertAlmostEqual(long["range_m"]["p50"], 1000 * right["range_m"]["p50"], delta=20)

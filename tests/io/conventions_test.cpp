@@ -53,6 +53,23 @@ TEST(PointTimes, UnitIsThatWhichFitsTheScan) {
   EXPECT_NEAR(last_after(0, spread(0, 97000)), 0.097, 1e-9) << "µs, likewise";
 }
 
+TEST(PointTimes, CountFromTheScanOrBackOrUntilIt) {
+  for (const double unit : {1.0, 1e3}) {
+    PointTimes after(0.1), before(0.1, TimesCount::kBefore), until(0.1, TimesCount::kUntil);
+    const std::vector<double> as_given = after.seconds("f", "t", spread(0, 0.097 * unit), 50);
+    const std::vector<double> back = before.seconds("f", "t", spread(0, 0.097 * unit), 50);
+    const std::vector<double> ends = until.seconds("f", "t", spread(0, 0.097 * unit), 50);
+    EXPECT_NEAR(as_given.front(), 50, 1e-9);
+    EXPECT_NEAR(as_given.back(), 50.097, 1e-9);
+    EXPECT_NEAR(back.front(), 50, 1e-9);
+    EXPECT_NEAR(back.back(), 49.903, 1e-9);
+    EXPECT_NEAR(ends.front(), 49.903, 1e-9);
+    EXPECT_NEAR(ends.back(), 50, 1e-9);
+  }
+  PointTimes until(0.1, TimesCount::kUntil);
+  EXPECT_NEAR(until.seconds("f", "t", spread(1.6e9, 1.6e9 + 0.1), 1.6e9)[0], 1.6e9, 1e-6);
+}
+
 TEST(PointTimes, DatesTellTheirUnit) {
   PointTimes times(0.1);
   for (const double unit : {1.0, 1e-3, 1e-6, 1e-9}) {
@@ -246,6 +263,94 @@ TEST(Csv, LinesAboveTheRowsAreUnderstood) {
               std::string::npos)
         << text;
   }
+}
+
+TEST(Csv, NumbersThatCannotBeRightAreRefused) {
+  const TemporaryFolder folder;
+  const auto reason = [&](const std::string& text) {
+    put_bytes(folder / "a.csv", text);
+    return reason_of([&] { read_csv(folder / "a.csv"); });
+  };
+  std::string commas, counted, plain;
+  for (int k = 0; k < 30; ++k) {
+    const std::string n = std::to_string(k);
+    commas += n + ",05,-1," + std::to_string(10 + k) + ",2,50\n";
+    counted += n + " 1.5 " + n + ".25 2\n";
+    plain += n + ".5 1.5 2.25 " + n + "\n";
+  }
+  EXPECT_NE(reason(commas).find("decimal commas"), std::string::npos);
+  EXPECT_NE(reason("x,y,z\n1,05,-1,80,2,50\n").find("decimal commas"), std::string::npos);
+  EXPECT_NE(reason("x,y,z\n\"1,000.5\",2,3\n").find("within quotes"), std::string::npos);
+  EXPECT_NE(reason(counted).find("counts the rows"), std::string::npos);
+  EXPECT_NE(reason("x;y;z\n6 717.5;2;3\n").find("not a number"), std::string::npos);
+  EXPECT_EQ(reason(plain), "");
+  EXPECT_EQ(reason("1,05,2,07,0.5,08\n"), "") << "zeros in front, and points";
+  put_bytes(folder / "a.csv", "sep=;\nX_m;Y_m;Z_m\n1;2;3\n");
+  EXPECT_EQ(doubles_of(*read_csv(folder / "a.csv").find({"z"}))[0], 3);
+}
+
+/// The reason for which a scan of these columns is refused, and what is left out of it.
+std::pair<std::string, std::map<std::string, size_t>> reason_of_scan(
+    const std::vector<std::pair<std::string, std::vector<double>>>& columns) {
+  Table table;
+  for (const auto& [name, values] : columns) table.columns.emplace_back(name, values);
+  std::map<std::string, size_t> skipped;
+  std::string reason = reason_of([&] { scan_from_table("a.csv", std::move(table), {}, skipped); });
+  return {std::move(reason), std::move(skipped)};
+}
+
+TEST(Scans, OtherUnitsAndAnglesAreNamed) {
+  const std::vector<double> some{1, 2, 3};
+  for (const char* end : {"[mm]", "_mm"}) {
+    const auto name = [end](const char* axis) { return std::string(axis) + end; };
+    EXPECT_NE(reason_of_scan({{name("x"), some}, {name("y"), some}, {name("z"), some}})
+                  .first.find("--unit mm"),
+              std::string::npos);
+  }
+  EXPECT_NE(reason_of_scan({{"azimuth", some}, {"elevation", some}, {"range", some}})
+                .first.find("write the points as x y z"),
+            std::string::npos);
+  const auto near = [](double first, double step) {
+    std::vector<double> out;
+    for (int k = 0; k < 30; ++k) out.push_back(first + step * (k % 7));
+    return out;
+  };
+  EXPECT_NE(reason_of_scan({{"x", near(8, 1e-5)}, {"y", near(49, 1e-5)}, {"z", near(200, 1)}})
+                .first.find("longitude"),
+            std::string::npos);
+  EXPECT_EQ(reason_of_scan({{"x", near(8, 1)}, {"y", near(49, 1)}, {"z", near(2, 1)}}).first, "");
+  const auto [reason, skipped] =
+      reason_of_scan({{"x", some}, {"y", some}, {"z", some}, {"ring", {0, NAN, -1}}});
+  EXPECT_EQ(reason, "");
+  EXPECT_EQ(skipped.begin()->second, 2u) << "values of ring";
+}
+
+TEST(Poses, SquareMatricesAreThoseOfThreeRows) {
+  const TemporaryFolder folder;
+  put_bytes(folder / "p", "1 0 0 5 0 1 0 6 0 0 1 7 0 0 0 1\n");
+  EXPECT_EQ(read_poses(folder / "p").pose[0].translation, Vec3(5, 6, 7));
+  put_bytes(folder / "p", "9 1 0 0 5 0 1 0 6 0 0 1 7 0 0 0 1\n");
+  EXPECT_EQ(read_poses(folder / "p").time_s[0], 9);
+  put_bytes(folder / "p", "1 0 0 5 0 1 0 6 0 0 1 7 0 0 0 2\n");
+  EXPECT_THROW(read_poses(folder / "p"), FormatError);
+}
+
+TEST(Pcd, FieldsTwiceAndPointsTooManyAreSaid) {
+  const TemporaryFolder folder;
+  const auto write = [&](const std::string& fields, size_t bytes) {
+    put_bytes(folder / "a.pcd", "FIELDS " + fields + "\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n" +
+                                    "WIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA binary\n" +
+                                    std::string(bytes, '\0'));
+  };
+  write("x y x", 24);
+  EXPECT_THROW(read_table(folder / "a.pcd"), FormatError);
+  write("x y z", 24);
+  EXPECT_TRUE(read_table(folder / "a.pcd").notes.empty());
+  write("x y z", 36);
+  const Table table = read_table(folder / "a.pcd");
+  EXPECT_EQ(table.size(), 2u);
+  ASSERT_EQ(table.notes.size(), 1u);
+  EXPECT_NE(table.notes[0].find("1 more points"), std::string::npos);
 }
 
 TEST(Scans, NamesThatAreMissingAreAskedFor) {

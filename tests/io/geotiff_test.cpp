@@ -208,6 +208,19 @@ TEST(GeoTiff, MapsInDegreesAreRefused) {
   EXPECT_NEAR(read(folder / "a.tif").unit_m, 0.3048, 1e-6);
 }
 
+TEST(GeoTiff, HeightsInAnotherUnitAreRefused) {
+  const TemporaryFolder folder;
+  const auto reason = [&](uint16_t map, uint16_t height) {
+    write_atomically(folder / "a.tif",
+                     map_of(1, "", {1, 1, 0, 2, 3076, 0, 1, map, 4099, 0, 1, height}, 6));
+    return reason_of(folder / "a.tif");
+  };
+  EXPECT_THAT(reason(9001, 9002), testing::HasSubstr("different units, m and feet"));
+  EXPECT_THAT(reason(9003, 9001), testing::HasSubstr("different units, m and feet"));
+  for (const uint16_t unit : {9001, 9002, 9003}) EXPECT_EQ(reason(unit, unit), "");
+  EXPECT_EQ(reason(9003, 9002), "") << "both are feet";
+}
+
 TEST(TiffPiece, ExamplesOfTheSpecification) {
   // PackBits: the example of TIFF 6.0, section 9.
   const std::string packed("\xFE\xAA\x02\x80\x00\x2A\xFD\xAA\x03\x80\x00\x2A\x22\xF7\xAA", 15);

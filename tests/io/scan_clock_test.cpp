@@ -174,6 +174,10 @@ TEST(PoseColumns, AnglesAreTurnsAboutXThenYThenZ) {
     EXPECT_LT((poses.pose[0] * Vec3(0, 1, 0) - Vec3(1, 2, 4)).norm(), 1e-9);
     EXPECT_EQ(poses.notes.size(), 1u);
   }
+  put_bytes(folder / "p", "t,x,y,z,roll_rad,pitch_rad,yaw_rad\n7,1,2,3,0,0,1.5707963267948966\n");
+  EXPECT_LT((read_poses(folder / "p").pose[0] * Vec3(1, 0, 0) - Vec3(1, 3, 3)).norm(), 1e-9);
+  put_bytes(folder / "p", "t,x,y,z,roll,pitch,yaw\n7,1,2,3,0,0,1.5\n");
+  EXPECT_THROW(read_poses(folder / "p"), FormatError) << "radians or degrees";
   put_bytes(folder / "p", "t,x,y,z,roll,pitch,heading\n7,1,2,3,0,0,0\n");
   EXPECT_THROW(read_poses(folder / "p"), FormatError) << "a heading turns the other way";
 }

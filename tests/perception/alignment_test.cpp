@@ -150,6 +150,10 @@ TEST_F(RigFile, NamesThePlaceOfAFault) {
     EXPECT_EQ(reason("name: x\nsensors:\n - {name: a, sensor: " + name + "}\n"),
               "sensors[0].sensor: no sensor of the catalogue, nor a file beside the rig's");
   }
+  EXPECT_EQ(
+      reason("name: x\nsensors:\n - {name: a, sensor: ibeo-lux-2010, position_m: [0, 0, 500]}\n"),
+      "sensors[0].position_m: must be numbers of at most 100")
+      << "mm";
   const std::string own = path_.filename().string();  // It is no sensor.
   EXPECT_EQ(reason("name: x\nsensors:\n - {name: a, sensor: " + own + "}\n")
                 .find("sensors[0].sensor: " + path_.string() + ": "),

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/perception/log_truth.hpp"
 
 namespace underbrush::perception {
 namespace {
@@ -52,6 +53,30 @@ TEST(LabelledBoxes, AreReadWithTheirFrames) {
   EXPECT_EQ(boxes[0].object.box.size_m, Vec3(4.4, 1.8, 2.0));
   std::ofstream(path) << head << "3,0,Van,0,0,13.7,4.5,-0.7,0.5,0,1.8,2.0\n";
   EXPECT_THROW(read_labelled_boxes(path), FormatError);
+  const auto reason = [&](const std::string& rows) -> std::string {
+    std::ofstream(path) << head << rows;
+    try {
+      read_labelled_boxes(path);
+    } catch (const FormatError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  const std::string rest = ",0,0,13.7,4.5,-0.7,";
+  EXPECT_NE(reason("3,0,Car" + rest + "178.5,4.4,1.8,2\n").find("degrees?"), std::string::npos);
+  EXPECT_NE(reason("3,0,Car" + rest + "0.5,4400,1800,2000\n").find("in m?"), std::string::npos);
+  std::string cars, pedestrians;
+  for (const char* id : {"0", "1", "2"}) {
+    cars += std::string("3,") + id + ",Car" + rest + "0.5,1.8,4.4,2\n";
+    pedestrians += std::string("3,") + id + ",Pedestrian" + rest + "-6.2,0.5,0.7,2\n";
+  }
+  EXPECT_NE(reason(cars).find("swapped?"), std::string::npos);
+  EXPECT_EQ(reason(pedestrians), "");
+  LogInfo log;
+  for (uint32_t k = 30; k < 33; ++k) log.scans.push_back({k, 0.1 * k, Pose()});
+  EXPECT_THROW(LogTruth(path, log, {}), FormatError) << "frame 3 is no scan";
+  log.scans[0].scan = 3;
+  EXPECT_NO_THROW(LogTruth(path, log, {}));
   std::filesystem::remove(path);
 }
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <functional>
+#include <random>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/rng.hpp"
@@ -144,6 +145,15 @@ TEST(ImportChecks, MillimetresAreWarnedOf) {
   EXPECT_EQ(warning_of_ranges(scan_of(sensor::load("velodyne-vlp16"))), "");
   EXPECT_NE(warning_of_ranges(scan_of(sensor::load("velodyne-vlp16"), 20000)).find("--unit mm"),
             std::string::npos);
+  EXPECT_NE(warning_of_ranges(scan_of(sensor::load("velodyne-vlp16"), 1500)).find("--unit cm"),
+            std::string::npos);
+  PointScan whole = scan_of(sensor::load("velodyne-vlp16"), 300);
+  EXPECT_EQ(warning_of_ranges(whole), "");
+  for (Vec3f& p : whole.point) p = p.array().floor();
+  EXPECT_NE(warning_of_ranges(whole), "") << "cm, and all near";
+  PointScan below;
+  for (int k = 0; k < 200; ++k) below.point.emplace_back(float(k), 0.F, -800.F);
+  EXPECT_EQ(warning_of_ranges(below), "") << "from an aircraft";
 }
 
 TEST(ImportChecks, TimesThatTellNoMotionAreFound) {
@@ -155,6 +165,21 @@ TEST(ImportChecks, TimesThatTellNoMotionAreFound) {
   EXPECT_EQ(coarse_times(scan), 1u) << "steps of 128 s";
   for (size_t i = 0; i < scan.size(); ++i) scan.time_s[i] = 1e-4 * double(i / 16);
   EXPECT_EQ(coarse_times(scan), 0u);
+}
+
+TEST(ImportChecks, TimesThatRunAgainstTheRotation) {
+  PointScan scan = scan_of(sensor::load("velodyne-vlp16"));  // counter-clockwise
+  for (size_t i = 0; i < scan.size(); ++i) scan.time_s.push_back(50 + 1e-4 * double(i));
+  EXPECT_EQ(warning_of_turn(scan, 1), "");
+  EXPECT_NE(warning_of_turn(scan, -1).find("--point-times before"), std::string::npos);
+  for (double& t : scan.time_s) t = -t;
+  EXPECT_EQ(warning_of_turn(scan, -1), "");
+  EXPECT_NE(warning_of_turn(scan, 1), "");
+  std::mt19937 draw(5);
+  for (double& t : scan.time_s) t = double(draw());
+  for (const double turn : {1.0, -1.0}) EXPECT_EQ(warning_of_turn(scan, turn), "");
+  scan.time_s.clear();
+  EXPECT_EQ(warning_of_turn(scan, 1), "");
 }
 
 TEST(Copies, OneOfEachStays) {

@@ -56,5 +56,38 @@ TEST(OutOfReach, GroundInOtherCoordinatesThanTheRest) {
   EXPECT_EQ(ground_elsewhere(sensor, scene), "");
 }
 
+TEST(OutOfReach, WorldsInMillimetresAreLarge) {
+  const auto world = [](double width, double height) {
+    Bounds box;
+    box.add(Vec3(0, 0, 0));
+    box.add(Vec3(width, width / 2, height));
+    return larger_than_life(box);
+  };
+  EXPECT_NE(world(10000, 4000).find("--unit 0.001"), std::string::npos);  // a room
+  EXPECT_NE(world(5000, 15000), "");                                      // a tree
+  EXPECT_EQ(world(10, 4), "");
+  EXPECT_EQ(world(5000, 1200), "");  // mountains
+  EXPECT_EQ(larger_than_life(Bounds()), "");
+}
+
+TEST(OutOfReach, TrajectoriesInOtherUnitsAndOrders) {
+  const auto warned = [](double step_m, const Eigen::Quaterniond& turn) {
+    std::vector<StampedPose> poses(5);
+    for (int k = 0; k < 5; ++k) {
+      poses[size_t(k)].time_s = 0.1 * k;
+      poses[size_t(k)].world_from_sensor = {turn, Vec3(step_m * k, 0, 0)};
+    }
+    const std::vector<std::string> found = warnings_of_path(Trajectory(poses));
+    return found.empty() ? "" : found.at(0);
+  };
+  const Eigen::Quaterniond upright = Eigen::Quaterniond::Identity();
+  EXPECT_NE(warned(1500, upright).find("15000 m/s"), std::string::npos);
+  EXPECT_EQ(warned(25, upright), "") << "an aircraft";
+  EXPECT_NE(warned(1, Eigen::Quaterniond(0, 1, 0, 0)).find("qw qx qy qz?"), std::string::npos);
+  EXPECT_EQ(warned(1, Eigen::Quaterniond(std::sqrt(0.5), 0, std::sqrt(0.5), 0)), "")
+      << "on its side";
+  EXPECT_TRUE(warnings_of_path(Trajectory()).empty());
+}
+
 }  // namespace
 }  // namespace underbrush::pipeline

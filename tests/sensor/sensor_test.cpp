@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 
@@ -107,6 +108,18 @@ TEST_F(SensorFile, EvenlySpacedElevations) {
   ASSERT_EQ(sensor_.channels.size(), 5u);
   for (size_t i = 0; i < 5; ++i) {
     EXPECT_NEAR(sensor_.channels[i].elevation_rad / kDegree, 5 - 2.0 * double(i), 1e-12);
+  }
+}
+
+TEST_F(SensorFile, SizesInOtherUnitsAreRefused) {
+  for (const auto& [from, to, reason] : std::vector<std::array<const char*, 3>>{
+           {"rate_hz: 10", "rate_hz: 600", "in revolutions a minute?"},
+           {"rate_hz: 10", "rate_hz: 10\nrate_hz: 20", "rate_hz: twice"},
+           {"max_range_m: 50", "max_range_m: 120000", "is it in mm?"},
+           {"max_range_m: 50", "max_range_m: 50\nrange_sigma_m: 20", "is it in mm?"},
+           {"max_range_m: 50", "max_range_m: 50\nwavelength_nm: 0.905", "100 nm to 20 µm"},
+           {"[1, 2]\n  time_us: [0, 5]", "{first: -0.26, last: 0.26, count: 16}", "in radians?"}}) {
+    EXPECT_NE(error_with(from, to).find(reason), std::string::npos) << to;
   }
 }
 

@@ -167,12 +167,10 @@ TEST_F(Helios, RefusesBombsAndPathsThatLeadOut) {
   EXPECT_NE(
       refused(scene("<part>" + kObj + filter("translate", param("offset", "1;2")) + "</part>")),
       "");
-  EXPECT_NE(
-      refused(scene(
-          "<part>" + kObj +
-          filter("rotate", "<param key=\"rotation\"><rot axis=\"w\" angle_deg=\"3\"/></param>") +
-          "</part>")),
-      "");
+  for (const std::string turn : {"axis=\"w\" angle_deg=\"3\"", "axis=\"z\" angle_rad=\"3\""}) {
+    const std::string rotation = "<param key=\"rotation\"><rot " + turn + "/></param>";
+    EXPECT_NE(refused(scene("<part>" + kObj + filter("rotate", rotation) + "</part>")), "");
+  }
 }
 
 }  // namespace

@@ -48,13 +48,15 @@ def kind_of(path: PathLike) -> str:
 
 def open_recording(path: PathLike, *, topic: str | None = None, poses: PathLike | None = None,
                    metadata: PathLike | None = None, sensor: str | None = None, frame: str | None = None,
-                   clock: str = "stamp", unit: str = "") -> Recording:
+                   clock: str = "stamp", unit: str = "",
+                   point_times: str = "after") -> Recording:
     """Opens a recording, whose kind is detected from its content.
 
     `topic`, `frame` and `clock` select what is read of a ROS recording (see `BagRecording`); for packet captures
     `topic` is the stream, for E57 the station. `metadata` and `sensor` determine how packets are decoded. `poses` is a
-    file of poses (see `read_poses`) or a topic. `unit` (m, cm, mm, ft) is that of the coordinates of a bag's clouds, by
-    default m, or of a LAS file, by default its CRS's. Raises `FormatError` where the file cannot be read, `OptionMissing` where an option is needed,
+    file of poses (see `read_poses`) or a topic. `unit` (m, cm, mm, ft) is that of the coordinates of a bag's clouds or an E57
+    file, by default m, or of a LAS file, by default its CRS's. `point_times` is how the times of the points of a bag's clouds
+    count (see `PointTimes`). Raises `FormatError` where the file cannot be read, `OptionMissing` where an option is needed,
     `ImportError` where a library is, and `OSError`.
     """
     from ..recorded import bag_in
@@ -63,18 +65,21 @@ def open_recording(path: PathLike, *, topic: str | None = None, poses: PathLike 
     path = bag_in(pathlib.Path(path))
     kind = kind_of(path)
     recording: Any
-    if unit and kind not in ("las", "bag"):
-        raise ValueError(f"{path}: --unit is for bags, LAS and LAZ files")
+    if unit and kind not in ("las", "bag", "e57"):
+        raise ValueError(f"{path}: --unit is for bags, E57, LAS and LAZ files")
+    if point_times != "after" and kind != "bag":
+        raise ValueError(f"{path}: --point-times is for the point clouds of bags")
     if kind == "bag":
         from .bag import BagRecording
         return BagRecording(path, topic=topic or None, frame=frame or None, poses=poses or None, clock=clock,
-                            metadata=metadata or None, sensor=sensor or None, unit_m=UNITS[unit] if unit else 1.0)
+                            metadata=metadata or None, sensor=sensor or None, unit_m=UNITS[unit] if unit else 1.0,
+                            point_times=point_times)
     if kind == "las":
         from .las import LasRecording
         recording = LasRecording(path, unit=unit)
     elif kind == "e57":
         from .e57 import E57Recording
-        recording = E57Recording(path, topic or None)
+        recording = E57Recording(path, topic or None, UNITS[unit] if unit else 1.0)
     elif kind == "npz":
         from .numpy_log import NumpyRecording
         recording = NumpyRecording(path)

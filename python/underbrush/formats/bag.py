@@ -17,7 +17,7 @@ from ._files import OptionMissing, PathLike, guarded, size_of, with_thousands
 from .bag_messages import BagMessages
 from .bag_packets import STRING, BagPackets, is_packets, packets_in
 from .layouts import guess_sensor, scan_from_points
-from .point_times import PointTimes
+from .point_times import PointTimes, turn_by
 from .ros_messages import CLOUD, CUSTOM, cloud_points, frame_name, livox_points, seconds, typestore
 from .scans import NO_POSES, Poses, Scan, middles
 from .trajectory import pose_at, read_poses
@@ -28,6 +28,8 @@ _ELSEWHERE_M, _CONE_RAD = 3.0, 0.01  # From the origin; standard deviation of th
 _PEEKED = 10  # Messages of each topic that are looked at first.
 _LONGEST_IMU = 256  # Bytes; a lidar's packet is longer.
 _UNTIMED = "the points have no times (their fields are {}): each {} at its cloud's stamp{}"
+_BACK = ("by the points' times the sensor turns counter-clockwise, as few lidars do: do they count back from the scan's last "
+         "point? Then --point-times before")
 _UNREADABLE = "messages that cannot be read"
 _CLOCK = "scans whose clock jumps (--clock bag takes the times of the recording)"
 
@@ -59,8 +61,8 @@ class BagRecording:
 
     def __init__(self, path: PathLike, *, topic: str | None = None, frame: str | None = None,
                  poses: PathLike | None = None, clock: str = "stamp", metadata: PathLike | None = None,
-                 sensor: str | None = None, unit_m: float = 1.0) -> None:
-        self.unit_m = unit_m
+                 sensor: str | None = None, unit_m: float = 1.0, point_times: str = "after") -> None:
+        self.unit_m, self._count = unit_m, point_times
         self.path, self.frame, self.clock = pathlib.Path(path), frame, clock
         if clock not in ("stamp", "bag"):
             raise ValueError(f"no clock '{clock}': stamp or bag")
@@ -68,6 +70,7 @@ class BagRecording:
         self.skipped: collections.Counter[str] = collections.Counter()
         self.sensor, self.bytes_total, self.bytes_done, self._organised = "", size_of(path), 0, False
         self._messages, self._own_clock, self._untimed = BagMessages(self.path), False, False
+        self._turns_back = False
         self._ros1 = self._messages.is_ros1
         self._store = typestore(self._ros1)
         topics = [(t, kind) for t, kind, n in self._messages.topics if n]
@@ -93,7 +96,7 @@ class BagRecording:
                 self._packets = BagPackets(path, self.topic, self._all_messages, self._ros1, texts, metadata, sensor,
                                            clock == "bag")
                 self.sensor, self._organised = self._packets.sensor, self._packets.organised
-            self._times = _times_of(path, self._messages.kind_of(self.topic), self._first[self.topic].period_s)
+            self._times = self._times_of(self.topic, self._first[self.topic].period_s)
 
     def found(self) -> list[str]:
         names = {"ros1": "ROS 1 bag", "mcap": "ROS 2 MCAP file", "sqlite3": "ROS 2 SQLite file", "folder": "ROS 2 bag"}
@@ -138,6 +141,7 @@ class BagRecording:
             notes.append(_UNTIMED.format(" ".join(self._first[str(self.topic)].fields), *(
                 ("begins where the sensor was", "") if self.world else
                 ("is placed by the pose", ", without compensation of the motion within a scan"))))
+        notes += [_BACK] if self._turns_back else []
         if self._messages.recovered:
             notes.append(f"the recording was not closed: its {self._messages.recovered} whole messages are read")
         return notes
@@ -198,6 +202,8 @@ class BagRecording:
                 reason = f"no message of this topic can be read: {str(error).rpartition(': message: ')[2]}"
                 continue
             self._untimed = self._untimed or scan.beam_time_s is None
+            if not number and scan.beam_time_s is not None and scan.xyz is not None and not self.world:
+                self._turns_back = turn_by(scan.xyz, scan.beam_time_s) > np.pi
             if shift:
                 scan.time_s += shift
                 if scan.beam_time_s is not None:
@@ -260,8 +266,8 @@ class BagRecording:
 
     def ask_poses(self) -> str:
         """The error line that names the option for poses, if there are none."""
-        ask = self._lidar.ask
-        return f"{self.path}: {ask if '--poses' in ask else NO_POSES.replace('no poses in it', ask or 'no poses in it')}"
+        ask = self._lidar.ask or "no poses in it" + self._messages.only({"NavSatFix", "PoseArray", "Imu", "NavSatStatus"})
+        return f"{self.path}: {ask if '--poses' in ask else NO_POSES.replace('no poses in it', ask)}"
 
     def _all_messages(self, topic: str, skipped: collections.Counter[str]) -> Iterator[tuple[str, int, bytes]]:
         """The topic's messages; `bytes_done` is kept up to date."""
@@ -273,7 +279,7 @@ class BagRecording:
     def _peek(self, reader: Any, topic: str) -> _Topic:
         """Facts from the first messages of a topic."""
         first, stamps = _Topic(), list[tuple[float, float]]()
-        self._times = _times_of(self.path, self._messages.kind_of(topic), 0.0)
+        self._times = self._times_of(topic, 0.0)
         for kind, bag_ns, raw in itertools.islice(self._messages.of(reader, topic, self.skipped), _PEEKED):
             with contextlib.suppress(FormatError), guarded(self.path, topic):
                 points, stamp, frame = self._points(kind, raw)
@@ -298,6 +304,11 @@ class BagRecording:
                     return _Topic("packets", organised=True, points=longest,
                                   frames=(frame_name(self.frame or frame),))
         return _Topic()
+
+    def _times_of(self, topic: str, period_s: float) -> PointTimes:
+        """The times of a topic's points: Livox's own messages have ns."""
+        unit_s = 0.0 if self._messages.kind_of(topic) == CLOUD else 1e-9
+        return PointTimes(self.path, period_s, unit_s, self._count)
 
     def _are_of_sensor(self, poses: Poses) -> bool:
         """Whether the rings of a cloud are cones about the origin although the sensor is elsewhere."""
@@ -368,11 +379,6 @@ class BagRecording:
         if tree.bad:
             self.skipped["poses that are no rotations or not finite"] += tree.bad
         return found
-
-
-def _times_of(path: pathlib.Path, kind: str, period_s: float) -> PointTimes:
-    """The unit of the points' times of a topic: Livox's own messages have ns."""
-    return PointTimes(path, period_s, 0.0 if kind == CLOUD else 1e-9)
 
 
 def _is_cloud(msgtype: str) -> bool:

@@ -85,7 +85,12 @@ class BagMessages:
         others = [f"{topic} ({kind})" for topic, kind, n in self.topics
                   if n and ("packet" in kind.lower() or kind.endswith(("/PandarScan", "/UdpFrame")))]
         return (f", but packets of a kind that is not decoded, in {', '.join(others)}: have the driver write its point "
-                "clouds" if others else "")
+                "clouds" if others else self.only({"LaserScan"}))
+
+    def only(self, kinds: set[str]) -> str:
+        """Names the topics of these kinds of messages, which are not read; "" where there are none."""
+        found = [f"{topic} ({kind})" for topic, kind, n in self.topics if n and kind.rpartition("/")[2] in kinds]
+        return f", and {', '.join(found[:6])} {'is' if len(found) == 1 else 'are'} not read" if found else ""
 
 
 def _date(time_ns: int) -> str:

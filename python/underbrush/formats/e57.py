@@ -48,8 +48,8 @@ class E57Recording:
     crs = ""
     world = False
 
-    def __init__(self, path: PathLike, station: str | None = None) -> None:
-        self.path = pathlib.Path(path)
+    def __init__(self, path: PathLike, station: str | None = None, unit_m: float = 1.0) -> None:
+        self.path, self._file_unit_m = pathlib.Path(path), unit_m
         self.skipped: collections.Counter[str] = collections.Counter()
         self.bytes_total, self.bytes_done = self.path.stat().st_size, 0
         self._lib = need("pye57").libe57
@@ -81,7 +81,7 @@ class E57Recording:
             if node.isDefined("pose"):
                 pose = node["pose"]
                 if pose.isDefined("translation"):
-                    position = [pose["translation"][axis].value() for axis in "xyz"]
+                    position = [pose["translation"][axis].value() * self._file_unit_m for axis in "xyz"]
                 if pose.isDefined("rotation"):
                     q = [pose["rotation"][axis].value() for axis in "wxyz"]
             self._posed = self._posed or any(position) or list(map(abs, q)) != [1.0, 0.0, 0.0, 0.0]
@@ -208,6 +208,8 @@ class E57Recording:
         else:
             distance, azimuth, elevation = (c[name] for name in _BASE[1])
             state = c.get("sphericalInvalidState", np.zeros(n, np.int8))
+            if np.abs(elevation[state == 0]).max(initial=0) > 0.51 * np.pi or np.abs(azimuth).max(initial=0) > 2.01 * np.pi:
+                raise FormatError(self.path, f"station {station}", "angles beyond a turn in radians: are they in degrees?")
             distance = np.where(state == 1, 1.0, distance)
             flat = distance * np.cos(elevation)
             vector = np.column_stack([flat * np.cos(azimuth), flat * np.sin(azimuth), distance * np.sin(elevation)])
@@ -216,7 +218,8 @@ class E57Recording:
             keep = (length > 1e-9) & (length < 1e9) & ((state == 0) | (state == 1))
             if not keep.all():
                 self.skipped["beams without a point or a direction"] += int(np.count_nonzero(~keep))
-            vector, length, state = vector[keep], length[keep], state[keep]
+            unit = np.where(state[keep] == 1, 1.0, self._file_unit_m)
+            vector, length, state = unit[:, None] * vector[keep], unit * length[keep], state[keep]
             if self.world:
                 vector[state == 1] = np.nan  # A direction from where the scanner stood, which is not known.
                 scan = Scan(number, float(station), xyz=vector)

@@ -41,10 +41,13 @@ def parser() -> Parser:
                    help="poses of the sensor; default: the recording's own, or those estimated from an airborne survey")
     p.add_argument("--position", metavar="X,Y,Z", type=_place, help="place of a sensor that stands still, in the coordinates of the recording")
     p.add_argument("--unit", default="", choices=tuple(UNITS),
-                   help="unit of the coordinates of a bag's clouds, or of a LAS or LAZ file and its sensor's places; default: "
-                        "its CRS's, or m")
+                   help="unit of the coordinates of a bag's clouds, of an E57, LAS or LAZ file and its sensor's places; default: "
+                        "that of its CRS, or m")
     p.add_argument("--frame", default="", metavar="NAME", help="frame of the poses (bags)")
     p.add_argument("--clock", default="stamp", choices=("stamp", "bag"), help="clock of the scans (bags)")
+    p.add_argument("--point-times", default="after", choices=("after", "before", "until"),
+                   help="how times of points count (bags): after the scan's time; before it, back from its last point; or "
+                        "until it, the time of the last point")
     p.add_argument("--metadata", metavar="FILE",
                    help="the sensor's metadata (Ouster JSON, Velodyne YAML or XML, Hesai CSV or DAT, or a folder with a "
                         "Hesai's two CSV files, of angles and of firing times)")

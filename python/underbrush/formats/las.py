@@ -308,7 +308,7 @@ def _add_extra(extra: dict[str, Array], name: str, column: Array) -> None:
 
 def _units(header: Any, crs: str) -> Units:
     """The units of the coordinates: those of the CRS, else m. Only degrees need scales that are so much finer in x and y
-    than in z."""
+    than in z, or lie so close together for their heights."""
     found = units_of_wkt(crs) if "[" in crs else None
     keys = next((v.geo_keys for v in header.vlrs if type(v).__name__ == "GeoKeyDirectoryVlr"), None)
     if found is None and keys is not None:
@@ -321,7 +321,9 @@ def _units(header: Any, crs: str) -> Units:
     if found is None and not crs:
         scales, ends = np.asarray(header.scales), np.abs([header.mins, header.maxs]).max(axis=0)
         fine = max(scales[:2]) <= _FINEST_M and scales[2] >= 100 * max(scales[:2])
-        if fine and ends[0] <= 360 and ends[1] <= 90:
+        size = np.asarray(header.maxs) - np.asarray(header.mins)
+        close = max(scales[:2]) <= _FINEST_M and 0 < max(size[:2]) < min(0.5, size[2] / 20)
+        if (fine or close) and ends[0] <= 360 and ends[1] <= 90:
             return Units(degrees=True)
     return found or Units()
 

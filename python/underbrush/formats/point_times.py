@@ -28,11 +28,13 @@ class PointTimes:
     scan's period. Where the period is not known, times of 1 ms and more fit in the usual unit, and 10 ms to 1 s in
     others. A suffix _ns, _us, _ms or _s of the name gives the unit. This is the rule of the program, too
     (io/point_times.hpp). Times that are all equal, and floats whose steps are longer than a twentieth of the period,
-    are not the times of points: `note` has a message, and the latter become the stamp.
+    are not the times of points: `note` has a message, and the latter become the stamp. Times that are not absolute
+    `count` "after" the stamp, "before" it (back from the last point, which has 0), or "until" it, the time of the last
+    point.
     """
 
-    def __init__(self, path: PathLike, period_s: float = 0.0, unit_s: float = 0.0) -> None:
-        self._path, self._period = path, period_s
+    def __init__(self, path: PathLike, period_s: float = 0.0, unit_s: float = 0.0, count: str = "after") -> None:
+        self._path, self._period, self._count = path, period_s, count
         self._unit = unit_s  # Known from the start if the format defines it.
         self.note = ""  #: What was assumed; empty where the unit is the usual one.
 
@@ -90,9 +92,26 @@ class PointTimes:
         if step > 0.05 * (self._period or 0.1):
             self.note = _USELESS.format(name, f"are floats of 4 bytes in steps of {step:.2g} s, so that they are not used")
             return np.full(len(values), stamp_s)
+        if not absolute and self._count != "after":
+            return np.asarray(stamp_s + unit * (-values if self._count == "before" else values - high))
         begin = 0.0 if absolute else stamp_s
         if self._period > 0 and not absolute and high > low and low * unit > _LATE_S:
             begin -= low * unit
             self.note = self.note or (f"the points' times ({name}) count from the scan's time, since their clock is "
                                       f"another one: the first is {low * unit:.4g} s")
         return np.asarray(values * unit + begin)
+
+
+def turn_by(xyz: Floats, times_s: Floats) -> float:
+    """The angle (rad, counter-clockwise from above) through which points (n, 3) turn as their times (n,) rise, within
+    at most one revolution; 0 where they do not turn evenly."""
+    parts = 36
+    known = np.isfinite(xyz[:, 0]) & np.isfinite(times_s)
+    if np.count_nonzero(known) < _ENOUGH or np.ptp(times_s[known]) <= 0:
+        return 0.0
+    time = times_s[known] - times_s[known].min()
+    part = np.minimum(parts - 1, (parts * time / time.max()).astype(np.intp))
+    angle = np.arctan2(xyz[known, 1], xyz[known, 0])
+    facing = np.bincount(part, np.cos(angle), parts) + 1j * np.bincount(part, np.sin(angle), parts)
+    steps = np.angle(facing[1:] * np.conj(facing[:-1]))
+    return float(steps.sum()) if np.abs(steps).sum() <= 1.2 * abs(steps.sum()) else 0.0

@@ -160,7 +160,7 @@ def _named_columns(line: str) -> tuple[dict[str, int], int]:
     return (found, len(names)) if all(what in found for what in "txyz") else ({}, 0)
 
 
-def _ordered(table: Floats, found: dict[str, int], places_only: bool, path: PathLike, radians: bool) -> Poses:
+def _ordered(table: Floats, found: dict[str, int], places_only: bool, path: PathLike, head: str) -> Poses:
     """Poses of the columns that a line of names has named."""
     time, place = table[:, found["t"]], table[:, [found[axis] for axis in "xyz"]]
     if "nsec" in found:
@@ -176,7 +176,11 @@ def _ordered(table: Floats, found: dict[str, int], places_only: bool, path: Path
                                           "(t x y z qx qy qz qw, world from sensor)")
     elif all(what in found for what in _ANGLES):
         angles = table[:, [found[what] for what in _ANGLES]]
-        turns = from_angles(*(angles if radians else np.deg2rad(angles)).T)
+        most = np.abs(angles).max()
+        if "rad" not in head and "deg" not in head and 0 < most <= 2.001 * np.pi:
+            raise FormatError(path, "header", "are its angles radians or degrees? Say so in the header, as in yaw [rad] or "
+                                              "yaw [deg]")
+        turns = from_angles(*(angles if "rad" in head else np.deg2rad(angles)).T)
     return in_order(time, place, turns)
 
 
@@ -191,6 +195,16 @@ def _seconds_of_dates(times: Floats) -> float:
 def _is_helios(table: Floats) -> bool:
     """Whether columns can be x y z t roll pitch yaw: times that rise, and angles (degrees)."""
     return bool(np.all(np.diff(table[:, 3]) > 0) and np.all(np.abs(table[:, 4:]) <= 360))
+
+
+def _not_helios(table: Floats) -> str:
+    """Why rows of seven columns are no trajectory of HELIOS++, or may be of another order; "" if they are one."""
+    if len(table) > 1 and np.abs(np.linalg.norm(table[:, 3:], axis=1) - 1).max() < 0.005:
+        return "7 columns that end in a quaternion have no times: begin each row with the time"
+    if not _is_helios(table) and np.all(np.diff(table[:, 0]) > 0) and np.all(np.abs(table[:, 1:]) <= 360):
+        return ("7 columns may be t roll pitch yaw x y z or t x y z roll pitch yaw: name them in a line above them, with "
+                "yaw [deg] or yaw [rad]")
+    return ""
 
 
 def _of_matrices(time_s: Floats, rows: Floats) -> Poses:
@@ -242,7 +256,7 @@ def read_poses(path: PathLike, times_of_scans: Callable[[], Floats] | None = Non
     """Reads a text file of poses, world from sensor; `#` begins a comment, commas are blanks.
 
     A line of names above the rows gives the order of time, position and quaternion, as in EuRoC's files, or of roll,
-    pitch and yaw (degrees, or rad if it is named in the line). Without one, the number of columns determines the
+    pitch and yaw (with rad or deg in the line; beyond a revolution in radians they are degrees). Without one, the number of columns determines the
     format: 4 is `t x y z` (no rotation), 7 a HELIOS++ trajectory (`x y z t roll pitch yaw`, or `t roll pitch yaw x y z`
     where only that has rising times and angles; degrees), 8 TUM (`t x y z qx qy qz qw`), 13 a time and a row-major 3×4
     matrix, 12 the matrix alone. The rows of 12 columns are one a scan (KITTI, Ouster's and KISS-ICP's), and the first
@@ -252,13 +266,13 @@ def read_poses(path: PathLike, times_of_scans: Callable[[], Floats] | None = Non
     """
     rows: list[list[float]] = []
     named: tuple[dict[str, int], int] = {}, 0
-    radians = False
+    head = ""
     with pathlib.Path(path).open(encoding="utf-8", errors="replace") as file:
         for number, line in enumerate(iter(lambda: file.readline(_LONGEST_LINE), ""), 1):
             words = line.partition("#")[0].replace(",", " ").split()
             if not rows:
                 if not named[0]:
-                    named, radians = _named_columns(line), "rad" in line.lower()
+                    named, head = _named_columns(line), line.lower()
             try:
                 values = [float(word) for word in words]
             except ValueError:
@@ -275,14 +289,18 @@ def read_poses(path: PathLike, times_of_scans: Callable[[], Floats] | None = Non
     found, count = named
     whole = all(what in found for what in _QUATERNION)
     if found and (max(found.values()) < table.shape[1] if whole else count == table.shape[1]):
-        poses = _ordered(table, found, places_only, path, radians)
+        poses = _ordered(table, found, places_only, path, head)
         if len(poses.time_s) < len(table):
             raise FormatError(path, "", f"{len(table) - len(poses.time_s)} rows are no pose or have a time twice")
         return poses
+    if table.shape[1] in (16, 17) and np.all(table[:, -4:] == [0, 0, 0, 1]):
+        table = table[:, :-4]  # The last rows of matrices of 4x4.
     table[:, 0] *= _seconds_of_dates(table[:, 0]) if table.shape[1] in (4, 8, 13) else 1.0
     none = np.tile([0.0, 0.0, 0.0, 1.0], (len(table), 1))
     if table.shape[1] == 4:
         poses = in_order(table[:, 0], table[:, 1:4], none)
+    elif table.shape[1] == 7 and (why := _not_helios(table)):
+        raise FormatError(path, "line 1", why)
     elif table.shape[1] == 7 and not _is_helios(table) and _is_helios(table[:, [4, 5, 6, 0, 1, 2, 3]]):
         poses = in_order(table[:, 0], table[:, 4:], from_angles(*np.deg2rad(table[:, 1:4]).T))
     elif table.shape[1] == 7:
@@ -295,7 +313,7 @@ def read_poses(path: PathLike, times_of_scans: Callable[[], Floats] | None = Non
             return of_scans
         poses = _of_matrices(table[:, 0], table[:, 1:])
     else:
-        raise FormatError(path, "line 1", f"{table.shape[1]} columns: poses have 4, 7, 8, 12 or 13")
+        raise FormatError(path, "line 1", f"{table.shape[1]} columns: poses have 4, 7, 8, 12, 13, 16 or 17")
     if len(poses.time_s) < len(table):
         raise FormatError(path, "", f"{len(table) - len(poses.time_s)} rows are no pose or have a time twice")
     return poses

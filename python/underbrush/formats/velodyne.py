@@ -73,14 +73,18 @@ def recognise(data: bytes) -> bool:
 
 
 def model_of(packets: Packets, sensor: str | None = None) -> Model:
-    """The model that sent most of `packets`, or the one named `sensor`. Raises ValueError where it is not known."""
+    """The model that sent most of `packets`, or the one named `sensor`. Raises ValueError where it is not known, and
+    where nearly all packets have the number of another one."""
+    product, count = collections.Counter(packets["product"].tolist()).most_common(1)[0]
     if sensor is not None:
         named = [model for model in MODELS if model.sensor == sensor]
         if not named:
             raise ValueError(f"sensor '{sensor}' is no Velodyne whose packets are known")
+        sent = [model for model in MODELS if model.product == product and count > 0.9 * len(packets)]
+        if sent and sent[0].sensor != sensor:
+            raise ValueError(f"its packets are by their product number those of a {sent[0].sensor}, not of --sensor {sensor}")
         return next((model for model in named if model.product in packets["product"]), named[0])
     flags = packets["blocks"]["flag"]
-    product, _ = collections.Counter(packets["product"].tolist()).most_common(1)[0]
     if ((flags[:, ::2] == _UPPER) & (flags[:, 1::2] == _LOWER)).all(axis=1).mean() > 0.5:
         return MODELS[-1]
     for model in MODELS:

@@ -5,6 +5,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
+#include "underbrush/core/range_unit.hpp"
 
 namespace underbrush::fit {
 
@@ -31,9 +32,7 @@ constexpr double kBeyond = 1.001, kManyFar = 0.01;  // of the maximum range, of 
 RangeCut add_returns(BeamSource& source, const Vec3& origin, double min_range_m,
                      const TileSet* wanted, TileStore& store, FitReport& report,
                      const FitProgress& progress) {
-  constexpr float kFarthest = 10e3f;  // m
   RangeCut ranges;
-  size_t farther = 0;
   source.rewind();
   std::vector<Vec3f> points;
   for (BeamLog chunk; source.next(chunk);) {
@@ -46,7 +45,6 @@ RangeCut add_returns(BeamSource& source, const Vec3& origin, double min_range_m,
     for (size_t i = 0; i < chunk.size(); ++i) {
       if (!chunk.is_hit(i)) continue;
       ++report.hits;
-      farther += chunk.range_m[i] > kFarthest;
       report.far_points += double(chunk.range_m[i]) > kBeyond * source.info().max_range_m;
       if (double(chunk.range_m[i]) < min_range_m) {
         ++report.near_points;
@@ -63,10 +61,6 @@ RangeCut add_returns(BeamSource& source, const Vec3& origin, double min_range_m,
     report.beams += chunk.size();
     if (progress) progress("gather", report.beams, source.size());
   }
-  require_data(
-      2 * farther <= report.hits,
-      "fit: half of the returns are more than 10 km from the sensor: is the log in mm? Then "
-      "import it with --unit mm");
   report.misses = report.beams - report.hits;
   report.thinned_points = store.thinned();
   report.tiles = store.tiles().size();
@@ -77,6 +71,7 @@ void gather(BeamSource& source, const FitOptions& options, TileStore& store, Fit
             const FitProgress& progress) {
   const std::optional<Vec3> origin = log_origin(source);
   require_data(origin.has_value(), "fit: the log is empty");
+  require_metres(source, "fit");
   elements::Model& model = out.model;
   model.fitter = options.fitter;
   model.tau = options.tau;

@@ -67,6 +67,7 @@ std::string without_units(std::string_view line) {
 
 /// Whether a line has numbers with decimal commas.
 bool has_decimal_commas(std::string line) {
+  if (line.find(',') == line.npos) return false;
   std::ranges::replace(line, ',', '.');
   std::ranges::replace(line, ';', ' ');
   const auto words = words_of(line);
@@ -109,7 +110,7 @@ class CsvReader {
     line_number_ = line_number;
     line_ = line;
     if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-    if (trimmed(line).empty()) return;
+    if (trimmed(line).empty() || (line_number == 1 && line.starts_with("sep="))) return;
     if (names_.empty() || (given_ && columns_.empty())) return begin(line);
     if (line[0] == '#') return;
     split(line, separator_, cells_);
@@ -124,6 +125,7 @@ class CsvReader {
       throw FormatError(file_, "",
                         comments_.empty() ? "an empty file" : "no rows of numbers in it");
     }
+    check_unnamed();
     Table table;
     table.notes = std::move(notes_);
     columns_.resize(names_.size());
@@ -153,6 +155,9 @@ class CsvReader {
 
   void add_name(std::string_view cell) {
     std::string name = lower(std::string(cell));
+    if (name.ends_with("_m") && is_coordinate_or_time(name.substr(0, name.size() - 2))) {
+      name.resize(name.size() - 2);
+    }
     if (!name.empty() && !seen_.insert(name).second) fail("a column twice");
     names_.push_back(std::move(name));
   }
@@ -177,12 +182,28 @@ class CsvReader {
       if (cells.size() == count && !number) return add_names(*comment);
     }
     if (count < 3) fail("expected a line with the columns' names");
+    unnamed_ = true;
     for (size_t c = 0; c < count; ++c) {
       add_name(c < 3 ? std::string(1, char('x' + c)) : "column_" + std::to_string(c + 1));
     }
     notes_.emplace_back(
         "no line names the columns: the first three are taken to be x y z "
         "(--columns names them)");
+  }
+
+  /// Refuses rows without names whose numbers have decimal commas, and whose first column counts.
+  void check_unnamed() const {
+    constexpr size_t kEnough = 20;
+    if (!unnamed_) return;
+    if (columns_.size() % 2 == 0 && padded_ && !has_point_)
+      throw FormatError(file_, "", kDecimalCommas);
+    const std::vector<double>& first = columns_[0];
+    bool counts =
+        columns_.size() > 3 && first.size() >= kEnough && first[0] == std::floor(first[0]);
+    for (size_t i = 1; i < first.size(); ++i) counts = counts && first[i] == first[i - 1] + 1;
+    if (!counts) return;
+    throw FormatError(
+        file_, "", "its first column counts the rows: name the columns, as in --columns id,x,y,z");
   }
 
   /// Takes the line of the names, or the first row of a file that has none.
@@ -223,8 +244,16 @@ class CsvReader {
       columns_.pop_back();
     }
     if (cells_.size() != names_.size()) {
+      if (line_.find('"') != line_.npos) fail("a comma within quotes: write numbers without it");
+      if (cells_.size() == 2 * names_.size() && line_.find('.') == line_.npos) fail(kDecimalCommas);
       fail("expected " + std::to_string(names_.size()) + " values, found " +
            std::to_string(cells_.size()));
+    }
+    if (unnamed_ && separator_ == ',') {
+      has_point_ = has_point_ || line_.find('.') != line_.npos;
+      for (size_t c = 1; c < cells_.size(); c += 2) {
+        padded_ = padded_ || (cells_[c].size() > 1 && cells_[c][0] == '0');
+      }
     }
     for (size_t c = 0; c < cells_.size(); ++c) {
       const auto value = cells_[c].empty() ? std::optional<double>(NAN) : number_of(cells_[c]);
@@ -235,7 +264,9 @@ class CsvReader {
   }
 
   const std::string& file_;
-  bool given_ = false;  // The names do not come from the file.
+  bool given_ = false;                       // The names do not come from the file.
+  bool unnamed_ = false;                     // Nothing names the columns.
+  bool has_point_ = false, padded_ = false;  // Numbers with decimal points; fractions such as 05.
   std::vector<std::string> names_, notes_, comments_;
   std::set<std::string> seen_;
   std::vector<std::vector<double>> columns_;

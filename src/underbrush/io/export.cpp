@@ -205,12 +205,30 @@ void write_kitti(const fs::path& temporary, BeamSource& source) {
 
 }  // namespace
 
+namespace {
+
+/// Throws `IoError` where a log of so many beams does not fit on the disk.
+void check_room(const fs::path& path, size_t beams) {
+  constexpr uint64_t kRow = 51, kCompact = 6;  // bytes of a beam, at least
+  std::error_code error;
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  const fs::space_info space = fs::space(folder, error);
+  const uint64_t needed = beams * (path.extension() == ".ublog" ? kCompact : kRow);
+  if (error || needed <= space.available || !fs::is_directory(folder, error)) return;
+  throw IoError(path.string() + ": " + std::to_string(beams) + " beams need " +
+                std::to_string(needed >> 20) + " MiB and more, and " +
+                std::to_string(space.available >> 20) + " MiB are free: cannot write");
+}
+
+}  // namespace
+
 void export_log(const fs::path& path, BeamSource& source, const std::string& format,
                 const std::string& provenance) {
   const std::string ext = path.extension().string();
   const std::string kind = !format.empty() ? format : ext.empty() ? "kitti" : ext.substr(1);
   source.rewind();
   if (kind == "ply" || kind == "ublog") {
+    if (!fs::exists(path) || fs::is_regular_file(path)) check_room(path, source.size());
     LogWriter writer(path, source.info(), provenance);
     for (BeamLog chunk; source.next(chunk);) writer.write(chunk);
     return writer.close();

@@ -177,8 +177,15 @@ void place(const Tiff& tiff, Raster& raster) {
   // The tie point may be the middle of a cell.
   const double shift = geo_key(tiff, kRasterType) == kPoint ? 0.5 : 0;
   constexpr int kLinearUnit = 3076, kFoot = 9002, kSurveyFoot = 9003;
-  const int unit = geo_key(tiff, kLinearUnit);
-  raster.unit_m = unit == kFoot ? 0.3048 : unit == kSurveyFoot ? 1200.0 / 3937 : 1;
+  constexpr int kHeightUnit = 4099;
+  const auto unit_of = [&](int key, double otherwise) {
+    const int unit = geo_key(tiff, key);
+    return unit == 0 ? otherwise : unit == kFoot ? 0.3048 : unit == kSurveyFoot ? 1200.0 / 3937 : 1;
+  };
+  raster.unit_m = unit_of(kLinearUnit, 1);
+  if (std::abs(unit_of(kHeightUnit, raster.unit_m) - raster.unit_m) > 0.1) {
+    tiff.fail("", "its heights and its map have different units, m and feet: bring both to m");
+  }
   raster.cell_m = scale[0];
   raster.west = tie[3] - (tie[0] + shift) * scale[0];
   raster.north = tie[4] + (tie[1] + shift) * scale[0];

@@ -54,6 +54,7 @@ class Opener {
     placing_.columns = options.columns;
     placing_.unit_m = options.unit_m;
     placing_.period_s = options.scan_period_s;
+    placing_.count = options.count;
     if (!options.poses.empty()) set_poses(read_poses(options.poses), options.poses);
     if (!options.times.empty()) set_times(read_times(options.times), options.times);
   }

@@ -27,6 +27,7 @@ struct InputOptions {
   std::vector<std::string> columns;  ///< Names of the columns of files that have none.
   double unit_m = 1;                 ///< Unit of the coordinates, m.
   double scan_period_s = 0;          ///< Time between scans, s, where their times do not give it.
+  TimesCount count = TimesCount::kAfter;  ///< How times of points count.
 };
 
 /// Returns the names of the formats: ray-cloud, compact, csv, scan (one file), kitti

@@ -19,7 +19,9 @@ struct NumpyField {
 class NumpyHeader {
  public:
   NumpyHeader(const std::string& file, std::string_view text) : file_(file), text_(text) {
-    if (value_of("'fortran_order'").substr(0, 5) != "False") fail("only row-major arrays");
+    if (value_of("'fortran_order'").substr(0, 5) != "False") {
+      fail("is stored column by column: write numpy.ascontiguousarray(points)");
+    }
     read_shape(value_of("'shape'"));
     const std::string_view descr = value_of("'descr'");
     if (descr.substr(0, 1) == "[") {
@@ -27,7 +29,7 @@ class NumpyHeader {
       if (width != 1) fail("expected a list of records");
     } else {
       constexpr const char* kNames[] = {"x", "y", "z", "intensity", "ring"};
-      if (width < 3 || width > 5) fail("expected an array of shape (n, 3 to 5)");
+      if (width < 3 || width > 5) fail("expected an array of shape (n, 3 to 5), a row a point");
       for (size_t k = 0; k < width; ++k) add(kNames[k], in_quotes(descr));
     }
   }
@@ -36,7 +38,9 @@ class NumpyHeader {
   uint64_t rows = 1, width = 1;
 
  private:
-  [[noreturn]] void fail(const char* reason) const { throw FormatError(file_, "header", reason); }
+  [[noreturn]] void fail(const std::string& reason) const {
+    throw FormatError(file_, "header", reason);
+  }
 
   std::string_view value_of(const char* key) const {
     const size_t at = text_.find(key);
@@ -58,7 +62,10 @@ class NumpyHeader {
                     (type[1] == 'f' || type[1] == 'u' || type[1] == 'i') &&
                     (type[2] == '1' || type[2] == '2' || type[2] == '4' || type[2] == '8') &&
                     !(type[1] == 'f' && type[2] < '4');
-    if (!ok) fail("a field's type is not a little-endian number");
+    if (!ok) {
+      fail("type " + underbrush::in_quotes(std::string(type)) +
+           " is not read: write points.astype('<f4'), or fields of such numbers");
+    }
     fields.push_back({std::string(name), type[1], size_t(type[2] - '0')});
   }
 
@@ -144,6 +151,11 @@ Table read_array(const std::string& file, std::string_view bytes) {
         column);
     table.columns.emplace_back(f.name, std::move(column));
     offset += f.size;
+  }
+  if (header.width > 3) {
+    table.notes.push_back("the array's " + std::to_string(header.width) +
+                          " columns are taken to be x y z intensity" +
+                          (header.width > 4 ? " ring" : ""));
   }
   return table;
 }

@@ -24,6 +24,11 @@ struct FrameRange {
     return frame >= first && frame < end && (frame - first) % step == 0;
   }
 };
+
+/// How times of points that are not absolute count: from the scan's time on; back from it, so that
+/// the last point has 0; or so that the last point has the scan's time.
+enum class TimesCount { kAfter, kBefore, kUntil };
+
 /// An open log. Either `beams` is set (every beam has its own origin) or `scans` (points in the
 /// sensor's frame).
 struct Input {

@@ -1,5 +1,6 @@
 #include <lzf.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -85,7 +86,12 @@ class PcdParser {
       fail(key + ": expected one value");
     }
     if (key == "FIELDS" || key == "COLUMNS") {
-      for (const auto& word : words) header_.fields.push_back({std::string(word)});
+      for (const auto& word : words) {
+        const bool again = std::ranges::any_of(
+            header_.fields, [&](const PcdField& f) { return f.name == word && word != "_"; });
+        if (again) fail("field " + in_quotes(std::string(word)) + " twice");
+        header_.fields.push_back({std::string(word)});
+      }
     } else if (key == "SIZE") {
       for (size_t i = 0; i < words.size(); ++i) {
         const uint64_t size = whole(words[i], 8);
@@ -255,6 +261,10 @@ Table read_pcd(const std::filesystem::path& path) {
       throw FormatError(name, "DATA",
                         "states " + std::to_string(header.points) + " points, the file holds " +
                             std::to_string(body.size() / row) + ": truncated");
+    }
+    if (!packed && body.size() / row > header.points) {
+      table.notes.push_back("the file holds " + std::to_string(body.size() / row - header.points) +
+                            " more points than its header states: they are left out");
     }
     const size_t n = size_t(header.points);
     const char* at = body.data();

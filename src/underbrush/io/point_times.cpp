@@ -115,6 +115,11 @@ std::vector<double> PointTimes::seconds(const std::string& file, const std::stri
   const bool whole = type_of(column) < ValueType::kF32 || std::max(-low, high) > 1e15;
   const double unit = unit_of(file, name, whole, {low, high - low, count});
   const bool absolute = std::max(-low, high) * unit > kLongestOffset;
+  if (!absolute && count_ != TimesCount::kAfter) {
+    const bool back = count_ == TimesCount::kBefore;
+    for (double& t : time) t = scan_time_s + unit * (back ? -t : t - high);
+    return time;
+  }
   double begin = absolute ? 0 : scan_time_s;
   const double early = low * unit + begin - scan_time_s;  // The first point after the scan's time.
   if (period_s_ > 0 && high > low && std::abs(early) > (absolute ? kOtherClock : kLateOffset)) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "underbrush/core/beam_log.hpp"
+#include "underbrush/io/open_log.hpp"
 
 namespace underbrush::io {
 
@@ -19,9 +20,11 @@ namespace underbrush::io {
 class PointTimes {
  public:
   /// `period_s` is the spacing of the scans, s; 0 = not known.
-  explicit PointTimes(double period_s = 0) : period_s_(period_s) {}
+  explicit PointTimes(double period_s = 0, TimesCount count = TimesCount::kAfter)
+      : period_s_(period_s), count_(count) {}
 
-  /// Returns times in s: those beyond 100 s are absolute, others count from `scan_time_s`. Where
+  /// Returns times in s: those beyond 100 s are absolute, others count from `scan_time_s`, or as
+  /// given. Where
   /// the period is known and the first time is absolute and more than 10 s from `scan_time_s`, or
   /// is not and is more than 1 s from it, the sensor has a clock of its own, such as µs since the
   /// hour, and the first time is that of the scan. Throws `FormatError` where no unit fits.
@@ -39,6 +42,7 @@ class PointTimes {
   double unit_of(const std::string& file, const std::string& name, bool whole, Span values);
 
   double period_s_, unit_s_ = 0;
+  TimesCount count_;
   bool own_clock_ = false;
   std::string note_;
 };

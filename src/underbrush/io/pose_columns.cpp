@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "underbrush/core/check.hpp"
 #include "underbrush/core/pose.hpp"
 #include "underbrush/io/text.hpp"
 
@@ -130,13 +131,33 @@ std::optional<std::pair<size_t, double>> seconds_part_of(std::string_view line) 
   return std::nullopt;
 }
 
-std::string use_angles(NumberRows& numbers) {
+namespace {
+
+/// Whether angles are in radians, by the words of their header or by their size. Without either,
+/// and unless all are zero, throws `FormatError`.
+bool are_radians(const std::string& file, const std::string& head, const NumberRows& numbers,
+                 const std::array<size_t, 7>& at) {
+  const std::string text = lower(head);
+  if (text.find("rad") != text.npos) return true;
+  double most = 0;
+  for (const std::vector<double>& row : numbers.rows) {
+    for (size_t what = 4; what < 7; ++what) most = std::max(most, std::abs(row[at[what]]));
+  }
+  if (text.find("deg") != text.npos || most > 2.001 * M_PI || most == 0) return false;
+  throw FormatError(file, "header",
+                    "are its angles radians or degrees? Say so in the header, as in yaw [rad] or "
+                    "yaw [deg]");
+}
+
+}  // namespace
+
+std::string use_angles(const std::string& file, NumberRows& numbers) {
   for (const std::string& head : numbers.heads) {
     const std::optional<std::array<size_t, 7>> at = angle_columns_of(names_in(head));
     const size_t n = numbers.rows[0].size();
     const auto is_whole = [n](const auto& row) { return row.size() == n; };
     if (!at || std::ranges::max(*at) >= n || !std::ranges::all_of(numbers.rows, is_whole)) continue;
-    const bool radians = head.find("rad]") != std::string::npos;
+    const bool radians = are_radians(file, head, numbers, *at);
     const double unit = radians ? 1 : M_PI / 180;
     for (std::vector<double>& row : numbers.rows) {
       const auto about = [&](size_t what, const Vec3& axis) {

@@ -24,10 +24,12 @@ std::optional<PoseColumns> pose_columns_of(std::string_view line);
 /// in "sec,nsec,x,y,…", and its unit, s.
 std::optional<std::pair<size_t, double>> seconds_part_of(std::string_view line);
 
-/// Turns rows below a header that names time, place, roll, pitch and yaw (degrees, or "[rad]"), as
-/// in "GPSTime,Easting,Northing,Height,Roll,Pitch,Yaw", to rows of t x y z qx qy qz qw: turns about
-/// x, then y, then z. Returns what was assumed, and "" where there is no such header.
-std::string use_angles(NumberRows& numbers);
+/// Turns rows below a header that names time, place, roll, pitch and yaw, as in
+/// "GPSTime,Easting,Northing,Height,Roll,Pitch,Yaw", to rows of t x y z qx qy qz qw: turns about x,
+/// then y, then z. The header has "rad" or "deg"; angles beyond a revolution in radians are
+/// degrees. Returns what was assumed, and "" where there is no such header. Throws `FormatError`
+/// with the file's name where the unit is not known.
+std::string use_angles(const std::string& file, NumberRows& numbers);
 
 /// Whether a line has as many names as there are columns, and x, y and z among them.
 bool names_positions(std::string_view line, size_t columns);

@@ -140,10 +140,26 @@ std::optional<Pose> pose_from_rows(const std::array<double, 12>& rows) {
   return Pose{Eigen::Quaterniond(r).normalized(), t};
 }
 
+namespace {
+
+/// Leaves out the last rows, 0 0 0 1, of matrices of 4x4.
+void drop_last_rows(NumberRows& numbers) {
+  const auto is_square = [](const std::vector<double>& row) {
+    const size_t n = row.size();
+    return (n == 16 || n == 17) && row[n - 1] == 1 && row[n - 2] == 0 && row[n - 3] == 0 &&
+           row[n - 4] == 0;
+  };
+  if (!std::ranges::all_of(numbers.rows, is_square)) return;
+  for (std::vector<double>& row : numbers.rows) row.resize(row.size() - 4);
+}
+
+}  // namespace
+
 PoseList read_poses(const fs::path& path) {
   constexpr PoseColumns kTum{0, 1, 2, 3, 4, 5, 6, 7};
   NumberRows numbers = read_numbers(path);
-  const std::string angles = use_angles(numbers);
+  drop_last_rows(numbers);
+  const std::string angles = use_angles(path.string(), numbers);
   const std::string_view names = line_of_names(numbers);
   const std::optional<PoseColumns> named = pose_columns_of(names);
   const size_t n = numbers.rows[0].size();
@@ -151,7 +167,7 @@ PoseList read_poses(const fs::path& path) {
   if (!named && ((n != 8 && n != 12 && n != 13) || (n == 8 && !unknown.empty()))) {
     throw FormatError(path.string(), "line " + std::to_string(numbers.line[0]),
                       n == 8 ? "which number of the quaternions is w is not known" + unknown
-                             : "expected 8 (TUM), 12 (KITTI) or 13 numbers, found " +
+                             : "expected 8 (TUM), 12 (KITTI), 13, 16 or 17 numbers, found " +
                                    std::to_string(n) + unknown);
   }
   const bool quaternions = named || n == 8;

@@ -48,7 +48,7 @@ class ScanFolder : public ScanSource {
         columns_(placing.columns),
         points_in_world_(placing.points_in_world),
         unit_m_(placing.unit_m),
-        times_(period_s) {
+        times_(period_s, placing.count) {
     if (in_gaps > 0) skipped_[kInGaps] = in_gaps;
   }
 
@@ -161,6 +161,15 @@ class Placer {
     if (!timed_ && placing.times.empty()) {
       input.notes.push_back("no times: frames are taken to be 0.1 s apart");
     }
+    const size_t last = files.empty() ? 0 : std::ranges::max(files, {}, &ScanFile::frame).frame;
+    const size_t poses_by_number = timed_ ? 0 : poses.pose.size();
+    for (const auto& [rows, what] :
+         {std::pair(poses_by_number, "poses"), {placing.times.size(), "times"}}) {
+      if (rows <= last + 1) continue;
+      input.notes.push_back("there are " + std::to_string(rows) + " " + what +
+                            " for the scans 0 to " + std::to_string(last) +
+                            ": the first is that of scan 0");
+    }
     std::vector<StampedPose> stamped;
     for (size_t i = 0; i < poses.pose.size(); ++i) {
       if (!timed_ && !placing.times.empty() && i >= placing.times.size()) break;
@@ -212,7 +221,9 @@ class Placer {
       time = *file.time_s;
     } else {
       throw FormatError(file.path.string(), "",
-                        "no time to find its pose with: give one with --times");
+                        "no time to find its pose with (" + std::to_string(files_.size()) +
+                            " scans, " + std::to_string(poses_.pose.size()) +
+                            " poses): give one with --times");
     }
     time = on_clock(time);
     return {file.frame, time, pose_at(time, name)};

@@ -23,6 +23,7 @@ struct ScanPlacing {
   std::vector<std::string> columns;  ///< Names of the columns of files that have none.
   double unit_m = 1;                 ///< Unit of the points' coordinates, m.
   double period_s = 0;               ///< Time between scans, s, if there are no times.
+  TimesCount count = TimesCount::kAfter;  ///< How times of points count.
 };
 
 /// Joins the files with their poses and times into a source. Sets `scans`, `scan_infos`, `clock`,

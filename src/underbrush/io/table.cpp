@@ -33,6 +33,22 @@ std::optional<ExtraColumn> take(Table& table, const std::vector<std::string>& na
   return out;
 }
 
+/// Refuses points that stand above each other: degrees of longitude and latitude, and heights.
+void check_not_degrees(const std::string& file, const std::array<std::vector<double>, 3>& xyz) {
+  constexpr size_t kEnough = 20;
+  constexpr double kAside = 0.01, kUp = 0.5;  // degrees; m
+  std::array<double, 3> extent{};
+  for (size_t c = 0; c < 3; ++c) {
+    const auto [low, high] = std::ranges::minmax_element(xyz[c]);
+    if (xyz[c].size() < kEnough || (c < 2 && (*low == *high || std::abs(*low) > 180))) return;
+    extent[c] = *high - *low;
+  }
+  if (!(extent[0] < kAside && extent[1] < kAside && extent[2] > kUp)) return;
+  throw FormatError(file, "",
+                    "x and y of its points lie within 0.01: are they degrees of longitude and "
+                    "latitude? Then project them to m");
+}
+
 /// Points whose distance is many times their extent were measured from elsewhere.
 void check_around_sensor(const std::string& file, const std::vector<Vec3f>& points) {
   constexpr float kLeastFar = 300, kExtent = 0.3f;  // m; of the distance
@@ -54,9 +70,20 @@ void check_around_sensor(const std::string& file, const std::vector<Vec3f>& poin
                         " m apart; " + kWorldCoordinates);
 }
 
+/// Whether a table has directions and ranges in place of coordinates.
+bool is_spherical(const Table& table) {
+  return table.find({"azimuth"}) && table.find({"range", "distance", "r"});
+}
+
 /// What is missing, and the columns that are there.
 std::string no_column(const std::string& file, const std::string& name, const Table& table) {
   constexpr size_t kMost = 8;
+  for (const char* unit : {"mm", "cm", "ft"}) {
+    if (!table.find({name + "[" + unit + "]", name + "_" + unit})) continue;
+    return std::string("its coordinates are in ") + unit +
+           ": name the columns and the unit, as in --columns x,y,z --unit " + unit;
+  }
+  if (is_spherical(table)) return "it has angles and ranges: write the points as x y z";
   std::string text = "no column '" + name + "'";
   for (size_t c = 0; c < std::min(table.columns.size(), kMost); ++c) {
     text += (c == 0 ? "; its columns are " : ", ") + printable(table.columns[c].first);
@@ -76,6 +103,7 @@ void fill_points(const std::string& file, Table& table, const ScanContext& conte
     if (!column) throw FormatError(file, "header", no_column(file, name, table));
     xyz[size_t(c)] = doubles_of(*column);
   }
+  check_not_degrees(file, xyz);
   const size_t n = xyz[0].size();
   const Pose sensor_from_world = context.info.world_from_sensor.inverse();
   size_t absurd = 0;
@@ -105,15 +133,18 @@ void fill_times(const std::string& file, Table& table, const ScanContext& contex
   scan.time_s = times.seconds(file, name, *column, scan.info.time_s);
 }
 
-void fill_rings(Table& table, PointScan& scan) {
+void fill_rings(Table& table, PointScan& scan, std::map<std::string, size_t>& skipped) {
   static const std::vector<std::string> kNames{"ring", "row", "channel", "laser_id"};
   const ExtraColumn* column = table.find(kNames);
   if (!column) return;
   const std::vector<double> values = doubles_of(*column);
-  const bool whole = std::all_of(values.begin(), values.end(), [](double v) {
-    return v >= 0 && v <= 65535 && v == std::floor(v);
-  });
-  if (!whole) return;  // The column means something else and stays an extra column.
+  const auto others = size_t(std::count_if(values.begin(), values.end(), [](double v) {
+    return !(v >= 0 && v <= 65535 && v == std::floor(v));
+  }));
+  if (others > 0) {  // The column means something else and stays an extra column.
+    skipped["values of ring that are no whole numbers (rings not used, beams kept)"] += others;
+    return;
+  }
   scan.ring.assign(values.begin(), values.end());
   take(table, kNames);
 }
@@ -188,7 +219,7 @@ PointScan scan_from_table(const std::string& file, Table table, const ScanContex
   if (table.size() == 0) throw FormatError(file, "", "an empty scan: no points");
   fill_points(file, table, context, scan, skipped);
   fill_times(file, table, context, scan);
-  fill_rings(table, scan);
+  fill_rings(table, scan, skipped);
   scan.intensity.assign(scan.size(), 0);
   if (const auto column = take(table, {"intensity", "remission", "i"})) {
     size_t bad = 0;

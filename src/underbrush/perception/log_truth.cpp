@@ -1,5 +1,6 @@
 #include "underbrush/perception/log_truth.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "underbrush/core/check.hpp"
@@ -45,7 +46,14 @@ LogTruth::LogTruth(const std::filesystem::path& file, const LogInfo& log,
                    const LogTruthOptions& options)
     : is_labelled_(is_labelled_box_file(file)),
       sequence_(is_labelled_ ? std::vector<ObjectList>{} : read_object_lists(file)) {
-  if (is_labelled_) place(read_labelled_boxes(file), log, options);
+  if (!is_labelled_) return;
+  const std::vector<LabelledBox> boxes = read_labelled_boxes(file);
+  place(boxes, log, options);
+  if (boxes.empty() || !by_scan_.empty() || log.scans.empty()) return;
+  const auto [first, last] = std::ranges::minmax(boxes, {}, &LabelledBox::frame);
+  throw FormatError(file.string(), "frame",
+                    "none of the boxes' frames, " + std::to_string(first.frame) + " to " +
+                        std::to_string(last.frame) + ", is a scan of the log within its poses");
 }
 
 LogTruth::LogTruth(const std::vector<ObjectList>& lists) : sequence_(lists) {}

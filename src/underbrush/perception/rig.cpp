@@ -14,15 +14,16 @@ namespace {
 
 using sensor::YamlMap;
 
-constexpr size_t kMostSensors = 255;  // The column of a log is a byte.
-constexpr double kMost = 1000;        // Metres or degrees.
+constexpr size_t kMostSensors = 255;                // The column of a log is a byte.
+constexpr double kFarthest = 100, kMostTurn = 720;  // m from the vehicle's origin, degrees
 constexpr double kMostMs = 1e6;
 
-Vec3 vector_of(const YamlMap& map, const std::string& key) {
+Vec3 vector_of(const YamlMap& map, const std::string& key, double most) {
   const auto v = map.get<std::vector<double>>(key, {0, 0, 0});
   if (v.size() != 3) map.fail(key, "needs three numbers");
   for (const double x : v) {
-    if (!(std::abs(x) <= kMost)) map.fail(key, "must be numbers of at most 1000");
+    if (std::abs(x) <= most) continue;
+    map.fail(key, "must be numbers of at most " + std::to_string(int(most)));
   }
   return {v[0], v[1], v[2]};
 }
@@ -56,8 +57,8 @@ MountedSensor mounted(const YamlMap& map, const std::string& file) {
   MountedSensor m;
   m.name = map.get<std::string>("name");
   m.sensor = sensor_of(map, file);
-  const Vec3 turn = vector_of(map, "rotation_deg") * kDegree;
-  m.vehicle_from_sensor.translation = vector_of(map, "position_m");
+  const Vec3 turn = vector_of(map, "rotation_deg", kMostTurn) * kDegree;
+  m.vehicle_from_sensor.translation = vector_of(map, "position_m", kFarthest);
   m.vehicle_from_sensor.rotation = Eigen::AngleAxisd(turn.z(), Vec3::UnitZ()) *
                                    Eigen::AngleAxisd(turn.y(), Vec3::UnitY()) *
                                    Eigen::AngleAxisd(turn.x(), Vec3::UnitX());

@@ -1,6 +1,7 @@
 #include "underbrush/perception/truth.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "underbrush/core/check.hpp"
@@ -33,6 +34,31 @@ std::vector<TruthFrame> frames_of(std::span<const ObjectList> lists) {
   return frames;
 }
 
+/// Refuses boxes whose yaws are in degrees, whose sizes are no metres, or whose cars are wider than
+/// they are long.
+void check_boxes(const std::filesystem::path& path, const std::vector<LabelledBox>& boxes) {
+  constexpr double kMostTurn = 4 * M_PI, kLongest = 200;  // rad, m
+  constexpr size_t kFewest = 3;
+  size_t cars = 0, wide = 0;
+  for (const LabelledBox& box : boxes) {
+    const OrientedBox& b = box.object.box;
+    if (std::abs(b.yaw_rad) > kMostTurn) {
+      throw FormatError(path.string(), "yaw",
+                        "is in radians, and none is beyond two turns: are they degrees?");
+    }
+    if (b.size_m.maxCoeff() > kLongest) {
+      throw FormatError(path.string(), "length", "a box longer than 200 m: are sizes in m?");
+    }
+    if (box.object.label != ObjectClass::kCar) continue;
+    ++cars;
+    wide += b.size_m.x() < b.size_m.y();
+  }
+  if (cars < kFewest || 2 * wide < cars) return;
+  throw FormatError(path.string(), "length",
+                    std::to_string(wide) + " of " + std::to_string(cars) +
+                        " cars are wider than long: are length and width swapped?");
+}
+
 }  // namespace
 
 bool is_labelled_box_file(const std::filesystem::path& path) {
@@ -61,6 +87,7 @@ std::vector<LabelledBox> read_labelled_boxes(const std::filesystem::path& path) 
     if (!(box.object.box.size_m.minCoeff() > 0)) csv.fail(row, "a box without extent");
     boxes.push_back(box);
   }
+  check_boxes(path, boxes);
   return boxes;
 }
 

@@ -1,7 +1,9 @@
 #include "underbrush/pipeline/import_checks.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <complex>
 #include <set>
 
 #include "underbrush/pipeline/check_values.hpp"
@@ -42,15 +44,44 @@ std::string warning_of_greatest_range(const PointScan& scan, double max_range_m)
 }
 
 std::string warning_of_ranges(const PointScan& scan) {
-  constexpr double kFar = 1000;  // m
-  std::vector<double> range;
+  constexpr double kFar = 500, kFarWhole = 100, kMillimetres = 2000, kSteep = 0.7;  // m
+  std::vector<double> range, steepness;
+  bool whole = true;
   for (const Vec3f& p : scan.point) {
-    if (is_return(p)) range.push_back(double(p.norm()));
+    if (!is_return(p)) continue;
+    range.push_back(double(p.norm()));
+    steepness.push_back(std::abs(double(p.z())) / range.back());
+    whole = whole && p == p.array().floor().matrix();
   }
   const double half = median(std::move(range));
-  if (half < kFar) return "";
+  if (half < (whole ? kFarWhole : kFar) || median(std::move(steepness)) > kSteep) return "";
   return "half of the points are " + text_of("%.0f", half) +
-         " m and more from the sensor: are they in mm? Then --unit mm";
+         " m and more from the sensor: are they in mm" +
+         (half < kMillimetres ? " or cm? Then --unit mm or --unit cm" : "? Then --unit mm");
+}
+
+std::string warning_of_turn(const PointScan& scan, double turn) {
+  constexpr size_t kParts = 36;
+  constexpr double kEven = 1.2;
+  const auto [low, high] = std::minmax_element(scan.time_s.begin(), scan.time_s.end());
+  if (low == scan.time_s.end() || !(*high > *low)) return "";
+  std::array<std::complex<double>, kParts> facing{};  // Sums of directions, by time.
+  for (size_t i = 0; i < scan.size(); ++i) {
+    const Vec3f& p = scan.point[i];
+    const double at = (scan.time_s[i] - *low) / (*high - *low);
+    if (!is_return(p) || !(at >= 0)) continue;
+    const auto part = std::min(kParts - 1, size_t(at * double(kParts)));
+    facing[part] += std::polar(1.0, std::atan2(double(p.y()), double(p.x())));
+  }
+  double turned = 0, way = 0;
+  for (size_t k = 1; k < kParts; ++k) {
+    const double step = std::arg(facing[k] * std::conj(facing[k - 1]));
+    turned += step;
+    way += std::abs(step);
+  }
+  if (turned * turn > -M_PI || way > kEven * std::abs(turned)) return "";
+  return "by the points' times the sensor turns the wrong way round: do they count back from the "
+         "scan's last point? Then --point-times before";
 }
 
 }  // namespace underbrush::pipeline

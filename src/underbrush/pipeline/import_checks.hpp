@@ -18,8 +18,14 @@ size_t coarse_times(const PointScan& scan);
 /// which makes them misses; else "".
 std::string warning_of_greatest_range(const PointScan& scan, double max_range_m);
 
-/// Returns a warning where half of a scan's returns are farther than 1 km, as those of a scan in
-/// millimetres are, else "".
+/// Returns a warning where half of a scan's returns are farther than 500 m, or than 100 m with
+/// whole numbers as coordinates, as those of a scan in mm or cm are, unless most lie far below or
+/// above the sensor; else "".
 std::string warning_of_ranges(const PointScan& scan);
+
+/// Returns a warning where the azimuths of a scan turn against `turn` (+1 or −1, the sign of the
+/// azimuth's change) as the times of its points rise, evenly through half a revolution and more;
+/// else "".
+std::string warning_of_turn(const PointScan& scan, double turn);
 
 }  // namespace underbrush::pipeline

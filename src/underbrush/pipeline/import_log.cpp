@@ -54,6 +54,9 @@ io::InputOptions input_options(const ImportOptions& o) {
   out.fit_clock = !o.deskew.empty() && !o.times_as_given;
   out.columns = names_of(o.columns);
   out.unit_m = unit_of(o.unit);
+  out.count = o.point_times == "before"  ? io::TimesCount::kBefore
+              : o.point_times == "until" ? io::TimesCount::kUntil
+                                         : io::TimesCount::kAfter;
   if (!o.deskew.empty()) out.scan_period_s = 1 / spinning_sensor("--deskew", o.deskew).rate_hz;
   return out;
 }
@@ -153,7 +156,8 @@ void check_first(const std::string& source, const PointScan& scan,
                       options.elevation_offset_rad);
   }
   for (std::string warning :
-       {warning_of_ranges(scan), warning_of_greatest_range(scan, options.no_return_at_m)}) {
+       {warning_of_ranges(scan), warning_of_greatest_range(scan, options.no_return_at_m),
+        options.deskew ? warning_of_turn(scan, options.deskew->turn()) : ""}) {
     if (!warning.empty()) report.warnings.push_back(std::move(warning));
   }
 }
@@ -168,6 +172,19 @@ std::string note_of_times(const PointScan& scan) {
   }
   return text + (scan.extra.empty() ? "" : ")") +
          ": --deskew takes the scan's time for that at which the sensor faces forward";
+}
+
+/// Says that the points of a moving sensor are all placed by the poses of their scans.
+void note_no_deskew(const PointScan& scan, io::Input& input) {
+  constexpr double kMoves = 0.1;  // m from scan to scan
+  const std::vector<ScanInfo>& infos = input.scan_infos;
+  if (input.compensated || infos.size() < 2) return;
+  const Vec3 way =
+      infos.back().world_from_sensor.translation - infos[0].world_from_sensor.translation;
+  if (way.norm() < kMoves * double(infos.size() - 1)) return;
+  input.notes.push_back(std::string("the points of a scan are placed by one pose") +
+                        (scan.time_s.empty() ? "" : ", although they have times") +
+                        ": --deskew SENSOR gives raw scans of a moving sensor one for each beam");
 }
 
 /// Leaves out times of points that are too coarse to give the motion within a scan.
@@ -195,6 +212,7 @@ void import_scans(const std::string& source, const RowFilter& keep, io::Input& i
     if (report.scans == 0) {
       check_first(source, scan, options, report);
       if (options.deskew && scan.time_s.empty()) input.notes.push_back(note_of_times(scan));
+      if (!options.deskew) note_no_deskew(scan, input);
       doubled = keep.all() && share_of_copies(scan) > kFewCopies;
     }
     if (doubled) report.beam.skipped["copies of a return of the same time"] += remove_copies(scan);

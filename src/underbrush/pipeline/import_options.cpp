@@ -48,6 +48,10 @@ std::span<const Option<ImportOptions>> import_options() {
     {"deskew", "More options", "",
      "Compute a pose for every beam from the timing of this sensor, for raw scans",
      [](O& o) -> auto& { return o.deskew; }, -kNoLimit, kNoLimit, {}, "SENSOR"},
+    {"point-times", "More options", "",
+     "How times of points count: after the scan's time; before it, back from its last point; or "
+     "until it, the time of the last point",
+     [](O& o) -> auto& { return o.point_times; }, -kNoLimit, kNoLimit, {"after", "before", "until"}},
     {"times-as-given", "More options", "",
      "With --deskew: use the times of scans unchanged instead of fitting a clock to rounded ones",
      [](O& o) -> auto& { return o.times_as_given; }},

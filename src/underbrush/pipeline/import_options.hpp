@@ -17,10 +17,11 @@ struct ImportOptions {
   std::string format;                ///< One of `io::input_formats()`; "" = detected.
   std::string poses, times, labels;  ///< Files.
   std::string label_set, keep, frames;
-  std::string columns;               ///< Names of a file's columns, divided by commas.
-  std::string unit = "m";            ///< Unit of the coordinates: m, cm, mm or ft.
-  std::string assets;                ///< Folder, for surveys of HELIOS++.
-  std::string deskew, infer_misses;  ///< Sensors: names of the catalogue, or files.
+  std::string columns;                ///< Names of a file's columns, divided by commas.
+  std::string unit = "m";             ///< Unit of the coordinates: m, cm, mm or ft.
+  std::string point_times = "after";  ///< How times of points count: after, before or until.
+  std::string assets;                 ///< Folder, for surveys of HELIOS++.
+  std::string deskew, infer_misses;   ///< Sensors: names of the catalogue, or files.
   bool times_as_given = false, points_in_world = false, float_coordinates = false;
   double unknown_below_deg = NAN, elevation_offset_deg = 0, max_range_m = 0;
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "underbrush/core/range_unit.hpp"
+
 namespace underbrush::pipeline {
 
 MoverMarks mark_movers(BeamSource& log, const std::string& file,
@@ -9,6 +11,7 @@ MoverMarks mark_movers(BeamSource& log, const std::string& file,
                        const std::function<void(const BeamLog&, std::span<const uint8_t>)>& write,
                        const std::function<void(size_t, size_t)>& progress) {
   options.check();
+  require_metres(log, "movers");
   movers::require_two_scans(log, file);
   MoverMarks out;
   out.mark = movers::find_movers(log, options, progress);

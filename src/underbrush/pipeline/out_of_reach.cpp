@@ -3,6 +3,9 @@
 #include <cstdio>
 #include <vector>
 
+#include "underbrush/core/median.hpp"
+#include "underbrush/pipeline/pose_checks.hpp"
+
 namespace underbrush::pipeline {
 namespace {
 
@@ -85,6 +88,38 @@ std::string why_nothing_is_hit(const Bounds& sensor, const Bounds& world, double
   return nothing + places(sensor, world) +
          "its beams point past the world: do the rotations of its poses turn from the sensor's "
          "frame to the world's?";
+}
+
+std::string larger_than_life(const Bounds& world) {
+  constexpr double kHigh = 200, kSteep = 1.0 / 3;  // m
+  if (world.empty()) return "";
+  const Vec3 size = world.high - world.low;
+  if (size.z() < kHigh || size.z() < kSteep * size.head<2>().maxCoeff()) return "";
+  return "the world is " + length(size.head<2>().maxCoeff()) + " wide and " + length(size.z()) +
+         " high: are its coordinates in mm? Then --unit 0.001";
+}
+
+std::vector<std::string> warnings_of_path(const Trajectory& path) {
+  constexpr double kFast = 400;  // m/s
+  std::vector<double> speed;
+  std::vector<ScanInfo> places;
+  for (const StampedPose& b : path.poses()) {
+    if (!places.empty()) {
+      const ScanInfo& a = places.back();
+      speed.push_back((b.world_from_sensor.translation - a.world_from_sensor.translation).norm() /
+                      (b.time_s - a.time_s));
+    }
+    places.push_back({0, b.time_s, b.world_from_sensor});
+  }
+  std::vector<std::string> out;
+  const double usual = median(speed);
+  if (usual >= kFast) {
+    out.push_back("by its trajectory the sensor moves at " + number("%.0f", usual) +
+                  " m/s: are positions in mm, or times not in s?");
+  }
+  if (places.empty()) return out;
+  if (std::string tilt = warning_of_tilt(places); !tilt.empty()) out.push_back(std::move(tilt));
+  return out;
 }
 
 }  // namespace underbrush::pipeline

@@ -1,8 +1,10 @@
 /// \file
-/// The reason for which no beam of a simulation meets anything.
+/// The reasons for which no beam of a simulation meets anything, and signs of wrong units.
 #pragma once
 #include <string>
+#include <vector>
 
+#include "underbrush/core/pose.hpp"
 #include "underbrush/metrics/bounds.hpp"
 
 namespace underbrush::pipeline {
@@ -20,5 +22,13 @@ std::string other_coordinates(const metrics::Bounds& sensor, const metrics::Boun
 /// Returns one line with the places of the sensor and of the ground if all ground of a scene is so
 /// far away, whatever else is near; else nothing.
 std::string ground_elsewhere(const metrics::Bounds& sensor, const elements::Scene& scene);
+
+/// Returns a warning about a world that is more than 200 m and a third of its width high, as those
+/// in millimetres are; else "".
+std::string larger_than_life(const metrics::Bounds& world);
+
+/// Returns warnings about a trajectory on which the median speed is more than 400 m/s, or whose
+/// quaternions seem to have w first (`warning_of_tilt`).
+std::vector<std::string> warnings_of_path(const Trajectory& path);
 
 }  // namespace underbrush::pipeline

@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/range_unit.hpp"
 #include "underbrush/perception/grid_file.hpp"
 
 namespace underbrush::pipeline {
@@ -55,6 +56,7 @@ Perceived perceive_log(BeamSource& log, const perception::LogTruth* truth,
   require(
       !grid || setup.rig || setup.cycles.sensor_height_m > 0,
       "perceive: --grid needs the sensor's height above the ground (--sensor-height, or --rig)");
+  require_metres(log, "perceive");
   std::optional<GridOfLog> cells;
   if (grid) cells.emplace(options, *grid);
   Perceived out;

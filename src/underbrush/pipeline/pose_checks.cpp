@@ -45,22 +45,6 @@ std::string warning_of_climb(const std::vector<ScanInfo>& scans) {
          " m: are they poses of a camera, whose z points ahead?";
 }
 
-std::string warning_of_tilt(const std::vector<ScanInfo>& scans) {
-  constexpr double kUpright = 0.94, kTilted = 0.7, kMost = 0.8;  // cosines; of the poses
-  size_t tilted = 0, upright = 0;
-  for (const ScanInfo& scan : scans) {
-    const Eigen::Quaterniond& q = scan.world_from_sensor.rotation;
-    // The four numbers in their order, with w taken as the first.
-    const Eigen::Quaterniond w_first(q.x(), q.y(), q.z(), q.w());
-    tilted += (q * Vec3::UnitZ()).z() < kTilted;
-    upright += (w_first.normalized() * Vec3::UnitZ()).z() > kUpright;
-  }
-  const double most = kMost * double(scans.size());
-  if (double(tilted) < most || double(upright) < most) return "";
-  return "by the poses the sensor lies on its side or its head, and is upright with w first: are "
-         "their quaternions qw qx qy qz? Then say so in a line above them: # t x y z qw qx qy qz";
-}
-
 /// A way to read poses, the first as they are.
 struct Reading {
   const char* what;
@@ -135,12 +119,20 @@ MotionFit motion_fit(ScanSource& scans, const std::vector<ScanInfo>& infos, size
   return fit;
 }
 
-/// Warns where scans fit each other clearly better with other motions than by the poses.
+/// "the next one", or which scan after a scan is meant.
+std::string scan_ahead(size_t ahead) {
+  return ahead == 1 ? "the next one" : "the one " + std::to_string(ahead) + " scans later";
+}
+
+/// Warns where scans fit each other clearly better with other motions than by the poses. A sensor
+/// that stands by the poses may in truth move slowly, which shows after many scans only.
 std::string warning_of_motion(ScanSource& scans, const std::vector<ScanInfo>& infos) {
   constexpr double kBetter = 0.2, kStands = 0.1;  // kStands: m
-  for (const size_t ahead : {1, 3}) {
-    if (infos.size() <= ahead) break;
+  bool stood = true;
+  for (const size_t ahead : {1, 3, 10, 30, 100}) {
+    if (infos.size() <= ahead || (ahead > 3 && !stood)) break;
     const MotionFit fit = motion_fit(scans, infos, ahead);
+    stood = fit.given_m < kStands;
     if (fit.best < fit.given + kBetter) continue;
     const auto motion = [](double way_m, double turn_rad) {
       return text_of("%.1f", way_m) + " m and turns by " + text_of("%.0f", turn_rad * 180 / M_PI) +
@@ -149,10 +141,9 @@ std::string warning_of_motion(ScanSource& scans, const std::vector<ScanInfo>& in
     const bool stands = fit.given_m < kStands && fit.best_m > kStands;
     return "by the poses the sensor " +
            (stands ? "stands still" : "moves by " + motion(fit.given_m, fit.given_rad)) + ", and " +
-           text_of("%.0f", 100 * fit.given) + " % of a scan's points lie where the " +
-           (ahead == 1 ? "next one" : "third one after it") + " has some, but " +
-           text_of("%.0f", 100 * fit.best) + " % if it moves by " +
-           motion(fit.best_m, fit.best_rad) +
+           text_of("%.0f", 100 * fit.given) + " % of a scan's points lie where " +
+           scan_ahead(ahead) + " has some, but " + text_of("%.0f", 100 * fit.best) +
+           " % if it moves by " + motion(fit.best_m, fit.best_rad) +
            (stands ? ": are all poses the same, or in km?"
                    : ": are their rotations and axes those of the sensor, and their times those of "
                      "the scans?");
@@ -253,6 +244,22 @@ std::string warning_of_ground(ScanSource& scans, const std::vector<ScanInfo>& in
 }
 
 }  // namespace
+
+std::string warning_of_tilt(const std::vector<ScanInfo>& scans) {
+  constexpr double kUpright = 0.94, kTilted = 0.7, kMost = 0.8;  // cosines; of the poses
+  size_t tilted = 0, upright = 0;
+  for (const ScanInfo& scan : scans) {
+    const Eigen::Quaterniond& q = scan.world_from_sensor.rotation;
+    // The four numbers in their order, with w taken as the first.
+    const Eigen::Quaterniond w_first(q.x(), q.y(), q.z(), q.w());
+    tilted += (q * Vec3::UnitZ()).z() < kTilted;
+    upright += (w_first.normalized() * Vec3::UnitZ()).z() > kUpright;
+  }
+  const double most = kMost * double(scans.size());
+  if (double(tilted) < most || double(upright) < most) return "";
+  return "by the poses the sensor lies on its side or its head, and is upright with w first: are "
+         "their quaternions qw qx qy qz? Then say so in a line above them: # t x y z qw qx qy qz";
+}
 
 bool are_tilted(const std::vector<ScanInfo>& scans) {
   constexpr double kTilted = 0.8, kMost = 0.8;  // cosine; of the poses

@@ -12,6 +12,10 @@ namespace underbrush::pipeline {
 /// and a motion that is mostly up or down.
 std::vector<std::string> warnings_of_poses(const std::vector<ScanInfo>& scans);
 
+/// Returns a warning where most poses have the sensor on its side or its head, and upright with w
+/// as the first number of their quaternions; else "".
+std::string warning_of_tilt(const std::vector<ScanInfo>& scans);
+
 /// Whether most sensors are tilted by more than 37°, as few are.
 bool are_tilted(const std::vector<ScanInfo>& scans);
 
@@ -29,7 +33,8 @@ bool are_tilted(const std::vector<ScanInfo>& scans);
 /// 0.2 more: their inverses (sensor from world), their quaternions with w first, or, if they are
 /// more than 5 m apart from scan to scan, their positions in mm. Where none of them does and the
 /// poses as they are give less than 0.6, warns if a level motion of up to 4 m and 10° from a scan
-/// to the next, or to the third after it, gives 0.2 more than that by the poses (`best_motion`).
+/// to the next, or to the third after it, gives 0.2 more than that by the poses (`best_motion`). A
+/// sensor that stands by the poses is also compared 10, 30 and 100 scans later.
 std::string warning_of_scans(ScanSource& scans, const std::vector<ScanInfo>& infos);
 
 }  // namespace underbrush::pipeline

@@ -1,12 +1,15 @@
 #include "underbrush/pipeline/requested_beams.hpp"
 
+#include "underbrush/core/range_unit.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 
 namespace underbrush::pipeline {
 
 RequestedBeams::RequestedBeams(std::unique_ptr<BeamSource> log, std::string name,
                                std::optional<sensor::Sensor> sensor)
-    : source_(std::move(log)), name_(std::move(name)), sensor_(std::move(sensor)) {}
+    : source_(std::move(log)), name_(std::move(name)), sensor_(std::move(sensor)) {
+  require_metres(*source_, "simulate");
+}
 
 RequestedBeams::RequestedBeams(sensor::Sensor sensor, const Trajectory& world_from_sensor)
     : sensor_(std::move(sensor)) {

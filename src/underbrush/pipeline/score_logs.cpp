@@ -1,6 +1,7 @@
 #include "underbrush/pipeline/score_logs.hpp"
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/range_unit.hpp"
 #include "underbrush/core/still_beams.hpp"
 
 namespace underbrush::pipeline {
@@ -58,6 +59,7 @@ return kOptions;
 metrics::Score score_log(BeamSource& real, BeamSource& simulated, const TracedWorld* world,
                          const ScoreOptions& options,
                          const std::function<void(size_t, size_t)>& progress) {
+  require_metres(real, "score");
   metrics::ScoreOptions scored;
   scored.cloud = options.cloud;
   if (world) {
@@ -110,6 +112,7 @@ Scores score_logs(const ScoreInput& input, const ScoreOptions& options,
 
 metrics::CloudScores score_clouds(BeamSource& real, BeamSource& simulated,
                                   const std::function<void(size_t, size_t)>& progress) {
+  for (BeamSource* log : {&real, &simulated}) require_metres(*log, "score");
   StillBeams still_real(real), still_simulated(simulated);
   return metrics::compare_clouds(still_real, still_simulated, progress);
 }

@@ -4,6 +4,7 @@
 #include <set>
 #include <vector>
 
+#include "underbrush/core/range_unit.hpp"
 #include "underbrush/elements/label_sets.hpp"
 
 namespace underbrush::pipeline {
@@ -106,6 +107,7 @@ Segmentation segment_log(BeamSource& log, const SegmentOptions& options,
                          const std::function<void(BeamSource&)>& write,
                          const primitives::SegmentProgress& progress) {
   check_options("segment", segment_options(), options);
+  require_metres(log, "segment");
   Segmentation out;
   if (!options.labels.empty()) {
     primitives::GivenLabelOptions label_options;

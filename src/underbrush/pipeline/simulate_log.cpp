@@ -132,6 +132,10 @@ SimulateCounts simulate_log(Simulation& simulation, BeamSource& beams,
     std::string elsewhere = ground_elsewhere(sensor, *scene);
     if (!elsewhere.empty()) out.warnings.push_back(std::move(elsewhere));
   }
+  if (out.hits > 0) {
+    std::string large = larger_than_life(simulation.world().bounds());
+    if (!large.empty()) out.warnings.push_back(std::move(large));
+  }
   return out;
 }
 

@@ -94,6 +94,28 @@ void SignalChain::check() const {
       "sensor: intensity scale, resolution or maximum");
 }
 
+namespace {
+
+/// Refuses sizes that are those of another unit: no lidar has them.
+void check_units(const Sensor& s) {
+  constexpr double kFarthest = 1e5, kCoarsest = 5, kFastest = 300;  // m, m, Hz
+  constexpr double kShortest = 100e-9, kLongest = 20e-6;            // m
+  require(s.max_range_m <= kFarthest, "sensor: a maximum range beyond 100 km: is it in mm?");
+  require(s.range_sigma_m <= kCoarsest && s.range_resolution_m <= kCoarsest,
+          "sensor: a range noise or resolution of more than 5 m: is it in mm?");
+  require(s.kind != Kind::kSpinning || s.rate_hz <= kFastest,
+          "sensor: a rate of more than 300 Hz: is it in revolutions a minute?");
+  require(s.wavelength_m == 0 || (s.wavelength_m >= kShortest && s.wavelength_m <= kLongest),
+          "sensor: a wavelength beyond 100 nm to 20 µm");
+  constexpr size_t kMany = 8;
+  double highest = 0;
+  for (const Channel& c : s.channels) highest = std::max(highest, std::abs(c.elevation_rad));
+  require(s.channels.size() < kMany || highest == 0 || highest > M_PI / 2 * M_PI / 180,
+          "sensor: all elevations are within 1.57 degrees: are they in radians?");
+}
+
+}  // namespace
+
 void Sensor::check() const {
   const auto positive = [](double v) { return std::isfinite(v) && v > 0; };
   const auto not_negative = [](double v) { return std::isfinite(v) && v >= 0; };
@@ -111,6 +133,7 @@ void Sensor::check() const {
   require(sub_rays[0] >= 1 && sub_rays[1] >= 1, "sensor: needs at least one sub-ray");
   beam.check();
   signal.check();
+  check_units(*this);
   for (const Channel& c : channels) {
     require(std::abs(c.elevation_rad) <= M_PI / 2, "sensor: elevation beyond 90 degrees");
     require(std::isfinite(c.azimuth_rad) && std::isfinite(c.z_m), "sensor: channel is not finite");

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <initializer_list>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -23,10 +24,12 @@ class YamlMap {
           std::initializer_list<std::string_view> keys)
       : file_(std::move(file)), place_(std::move(place)), node_(node) {
     if (!node_.IsMap()) fail("", "expected lines of KEY: VALUE");
+    std::set<std::string> seen;
     for (const auto& entry : node_) {
       if (!entry.first.IsScalar()) fail("", "expected lines of KEY: VALUE");
       const auto key = entry.first.Scalar();
       if (std::find(keys.begin(), keys.end(), key) == keys.end()) fail(key, "unknown key");
+      if (!seen.insert(key).second) fail(key, "twice");
     }
   }
 

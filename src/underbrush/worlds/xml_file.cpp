@@ -74,6 +74,7 @@ Eigen::Quaterniond XmlFile::rotation(const pugi::xml_node& of) const {
     const std::string name = text(rot, "axis");
     const size_t axis = name.size() == 1 ? std::string("xyzXYZ").find(name) : std::string::npos;
     if (axis == std::string::npos) fail(rot, "axis: must be x, y or z");
+    if (!rot.attribute("angle_deg")) fail(rot, "angle_deg: missing");
     const Eigen::Quaterniond one(
         Eigen::AngleAxisd(number(rot, "angle_deg", 0) * M_PI / 180, Vec3::Unit(axis % 3)));
     all = (local ? all * one : one * all).normalized();
