@@ -12,14 +12,14 @@ ROOMS = {
     "apps": 5920, "apps/fmu": 1800, "apps/underbrush": 4400, "bench": 3530, "cli": 1700, "python/src": 3710, "python/underbrush":
     10230, "report": 2900, "studies": 9550, "web/src": 7750, "src/underbrush/actors": 1480,
     "src/underbrush/calibrate": 2465,
-    "src/underbrush/cluster": 1710, "src/underbrush/compact": 1900, "src/underbrush/core": 2840, "src/underbrush/credit": 1100,
-    "src/underbrush/elements": 2600, "src/underbrush/fit": 2370, "src/underbrush/ground": 2000, "src/underbrush/io":
-    9010, "src/underbrush/jobs": 2000, "src/underbrush/keyframes": 2095, "src/underbrush/library": 500, "src/underbrush/likelihood": 2200, "src/underbrush/live": 1130, "src/underbrush/metrics": 3145,
+    "src/underbrush/cluster": 1710, "src/underbrush/compact": 1900, "src/underbrush/core": 2845, "src/underbrush/credit": 1100,
+    "src/underbrush/elements": 2615, "src/underbrush/fit": 2405, "src/underbrush/ground": 2000, "src/underbrush/io":
+    9010, "src/underbrush/jobs": 2000, "src/underbrush/keyframes": 2095, "src/underbrush/library": 500, "src/underbrush/likelihood": 2200, "src/underbrush/live": 1150, "src/underbrush/metrics": 3145,
     "src/underbrush/movers": 700, "src/underbrush/optimize": 700, "src/underbrush/osi": 5150,
     "src/underbrush/perception": 5610, "src/underbrush/pipeline": 6830, "src/underbrush/plant_meshes": 260, "src/underbrush/primitives": 3710,
-    "src/underbrush/radiometry": 2300, "src/underbrush/rasters": 600, "src/underbrush/regions": 1410, "src/underbrush/sensor": 3500, "src/underbrush/serve": 7250,
+    "src/underbrush/radiometry": 2300, "src/underbrush/rasters": 600, "src/underbrush/regions": 1410, "src/underbrush/sensor": 3500, "src/underbrush/serve": 7265,
     "src/underbrush/simulate": 2900, "src/underbrush/sites": 1850, "src/underbrush/surface": 1100, "src/underbrush/test_site": 1900,
-    "src/underbrush/trace": 5915, "src/underbrush/update": 1200, "src/underbrush/worlds": 2050,
+    "src/underbrush/trace": 5935, "src/underbrush/update": 1200, "src/underbrush/worlds": 2050,
 }
 CODE = (".hpp", ".h", ".inl", ".cpp", ".py", ".ts")
 
