@@ -101,10 +101,12 @@ TEST_F(FiringService, FiresInTheWorldsOfAFolderByTheirNames) {
   options.sensor = "velodyne-vlp16";
   OtherWorlds others(folder / "worlds", options);
   const auto service = service_of(sensors_, {}, &others);
-  EXPECT_EQ(service->describe("raised").worlds,
-            (std::vector<std::string>{"flat", "note.txt", "raised"}));
-  EXPECT_TRUE(service->describe("raised").actors.empty());
-  EXPECT_EQ(service->describe("").actors, std::vector<std::string>{"cart"});
+  const auto described = [&](const std::string& world) {
+    return service->describe(world, call().deadline).value();
+  };
+  EXPECT_EQ(described("raised").worlds, (std::vector<std::string>{"flat", "note.txt", "raised"}));
+  EXPECT_TRUE(described("raised").actors.empty());
+  EXPECT_EQ(described("").actors, std::vector<std::string>{"cart"});
   const auto fired = [&](const std::string& world) {
     sent_.clear();
     Firing f = part(3);
@@ -125,10 +127,10 @@ TEST_F(FiringService, FiresInTheWorldsOfAFolderByTheirNames) {
   EXPECT_EQ(fired("raised"), raised_ranges);
   EXPECT_EQ(fired(""), own);
   for (const char* name : {"link", "outside", "../outside", "."}) {
-    EXPECT_THROW(service->describe(name), std::invalid_argument) << name;
+    EXPECT_THROW(described(name), std::invalid_argument) << name;
   }
-  EXPECT_THROW(service->describe("note.txt"), std::invalid_argument);
-  EXPECT_THROW(service_of(sensors_)->describe("flat"), std::invalid_argument);
+  EXPECT_THROW(described("note.txt"), std::invalid_argument);
+  EXPECT_THROW(service_of(sensors_)->describe("flat", call().deadline), std::invalid_argument);
   EXPECT_EQ(fired("flat"), fired("flat"));
 }
 
