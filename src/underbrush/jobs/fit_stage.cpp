@@ -45,6 +45,7 @@ void take_step(const FitStage& stage, likelihood::Refinement& refinement,
                const fit::FitStart& start, const LogInfo& info, const fit::FitOptions& options) {
   try {
     fit::take_step(refinement, sums_of(stage, refinement.best->model), start, info, options);
+    refinement.best->model.check();
   } catch (const std::invalid_argument& e) {
     throw FormatError(stage.from.back(), "", std::string("its sums do not fit: ") + e.what());
   }
