@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cstring>
 #include <fstream>
 #include <thread>
@@ -132,6 +133,34 @@ TEST_F(FiringService, FiresInTheWorldsOfAFolderByTheirNames) {
   EXPECT_THROW(described("note.txt"), std::invalid_argument);
   EXPECT_THROW(service_of(sensors_)->describe("flat", call().deadline), std::invalid_argument);
   EXPECT_EQ(fired("flat"), fired("flat"));
+}
+
+// While a world is being opened, a call for another one ends with its deadline.
+TEST_F(FiringService, WaitsForAWorldUntilTheDeadline) {
+  const io::TemporaryFolder folder;
+  std::ofstream large(folder / "large.obj");
+  for (int k = 0; k < 100000; ++k) {
+    large << "v " << k << " 0 0\nv " << k << " 1 0\nv " << k << " 0 1\nf -3 -2 -1\n";
+  }
+  large.close();
+  WorldOptions options;
+  options.sensor = "velodyne-vlp16";
+  OtherWorlds others(folder.path(), options);
+  const Deadline late = call().deadline;
+  std::atomic<bool> opened = false;
+  std::thread first([&] {
+    EXPECT_TRUE(others.sensors("large.obj", late));
+    opened = true;
+  });
+  bool ended = false;
+  while (!opened && !ended) {
+    try {
+      ended = !others.sensors("none", std::chrono::system_clock::now());
+    } catch (const std::invalid_argument&) {  // Nobody opens a world now.
+    }
+  }
+  first.join();
+  EXPECT_TRUE(ended);
 }
 
 TEST_F(FiringService, EndsWithItsDeadlineAndItsClient) {
