@@ -42,7 +42,7 @@ fuzz: setup    ## Mutate inputs of every kind, 10 000 a kind (hours)
 	@cmake --build $(BUILD) --target underbrush -j $(JOBS)
 	@tests/fuzz/mutate.py --program $(program) --mutants 10000 --jobs $(JOBS) --keep $(BUILD)/mutants
 
-# KIND=files, killed, lies, server, fmus, package or units runs one kind; MOMENTS=100 kills each command as often.
+# KIND=files, killed, lies, server, live, fmus, package or units runs one kind; MOMENTS=100 kills each command as often.
 attack: fmu    ## Full disks, kill -9, lies in files, hostile calls and wrong units (an hour); KIND=NAME runs one kind
 	@cmake --build $(BUILD) --target underbrush -j $(JOBS)
 	@$(if $(filter units,$(KIND)),,tests/fuzz/attack/attack.py --program $(program) --jobs $(JOBS) \

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import re
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 #: A place, its number of bytes, and whether the highest byte comes first.
 Field = tuple[int, int, bool]
@@ -118,8 +118,12 @@ _LIES = (0, 1, 2, 0x7F, 0xFF, 0x7FFF, 0xFFFF, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF
 
 def lies(kind: str, data: bytes) -> list[tuple[Field, int]]:
     """Each field of a file with each number that it could say falsely: limits of its width and what is near."""
+    return _false(data, FIELDS[kind](data) if kind in FIELDS else ())
+
+
+def _false(data: bytes, fields: Iterable[Field]) -> list[tuple[Field, int]]:
     out: list[tuple[Field, int]] = []
-    for field in dict.fromkeys(FIELDS[kind](data)) if kind in FIELDS else ():
+    for field in dict.fromkeys(fields):
         at, width, _ = field
         if at < 0 or at + width > len(data):
             continue
@@ -127,6 +131,11 @@ def lies(kind: str, data: bytes) -> list[tuple[Field, int]]:
         near = (true - 1, true + 1, true * 2, true // 2, true + 8, true * 1000)
         out.extend((field, value) for value in dict.fromkeys(v % most for v in (*_LIES, *near)) if value != true)
     return out
+
+
+def lies_in(data: bytes, fields: Iterable[Field]) -> Iterator[bytes]:
+    """The file with each of these numbers in each field."""
+    yield from (put(data, field, value) for field, value in _false(data, fields))
 
 
 def zeros_in_mcap(packed: bytes, compression: str, told: int) -> bytes:

@@ -4,6 +4,8 @@ from __future__ import annotations
 import gzip
 import pathlib
 import struct
+import sys
+import time
 
 import pytest
 
@@ -123,3 +125,21 @@ def test_other_files_are_refused(tmp_path: pathlib.Path, data: bytes) -> None:
 def test_mutants_are_read_or_refused(tmp_path: pathlib.Path) -> None:
     """A few of those that `mutate_packets.py` makes."""
     assert sum(mutate_packets.run("container", 90, 20, tmp_path).values()) == 90
+
+
+def test_the_time_for_damaged_records_does_not_grow_with_what_follows_them(tmp_path: pathlib.Path) -> None:
+    """A damaged record behind each two sound ones, 8 MB of them."""
+    one = pcap(RECORDS[:1])
+    record, count = one[24:], 20_000
+    damaged = record[:8] + struct.pack("<II", 1 << 30, 1 << 30)
+    start = time.process_time()
+    datagrams, skipped = read(tmp_path, one[:24] + (record * 2 + damaged) * count)
+    assert time.process_time() - start < 10
+    assert len(datagrams) == 2 * count
+    assert skipped == {"damaged stretch of the file": count}
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="measures memory as Linux counts it")
+@pytest.mark.parametrize("family", mutate_packets.FAMILIES)
+def test_captures_whose_fields_lie_are_read_or_counted(family: str, tmp_path: pathlib.Path) -> None:
+    assert sum(mutate_packets.run_lies(family, 20, tmp_path).values()) >= 20

@@ -186,6 +186,22 @@ class Jobs(JobFolder):
         self.record(4).write_text(json.dumps(other))
         self.assert_fails(self.call("merge", "plan"), 3, "task 4", "another output of task 1")
 
+    def test_sums_that_lie(self):
+        """Sums of a fit's pass that cannot be are refused by the name of their file, or change nothing that matters."""
+        self.ok(*SENSED.split(), "--range-noise", 0.02, "--seed", 3, "-o", "seen.ply")
+        fit = ("fit", "seen.ply", "--rounds", 1, "--force", "-o")
+        self.ok(*fit, "start", "--stage", "begin")
+        self.ok(*fit, "sums.bin", "--stage", "sum:0:20000", "--from", "start")
+        sums, refused = self.bytes_of("sums.bin"), 0
+        begin = sums.index(b"\n") + 1
+        for at in (*range(begin, begin + 80, 16), *range(begin + 4, len(sums) - 8, len(sums) // 20 // 4 * 4)):
+            (self.folder / "sums.bin").write_bytes(sums[:at] + b"\xff" * 7 + b"\x7f" + sums[at + 8:])
+            done = self.call(*fit, "model", "--stage", "end", "--from", "start", "--from", "start", "--from", "sums.bin")
+            refused += done.returncode != 0
+            if done.returncode:
+                self.assert_fails(done, 3, "sums.bin")
+        self.assertGreater(refused, 0)
+
     def test_settings_of_a_file(self):
         settings = self.ok("dump-config", "simulate").replace("range-noise: 0\n", "range-noise: 0.02\n")
         settings = settings.replace("seed: 1\n", "seed: 9\n").replace("# sensor: ", "sensor: velodyne-vlp16")

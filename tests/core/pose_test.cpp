@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "underbrush/core/rng.hpp"
+#include "underbrush/core/within.hpp"
 
 namespace underbrush {
 namespace {
@@ -11,6 +12,18 @@ Pose random_pose(Stream& random) {
   const double x = random.normal(), y = random.normal(), z = random.normal(), w = random.normal();
   const double a = random.uniform(-9, 9), b = random.uniform(-9, 9), c = random.uniform(-9, 9);
   return {Eigen::Quaterniond(w, x, y, z).normalized(), Vec3(a, b, c)};
+}
+
+TEST(Within, NumbersThatAreNoneAreNotWithin) {
+  EXPECT_TRUE(is_within(Vec3(1, -2, 0), 2.5));
+  for (const double odd : {double(NAN), double(INFINITY), -double(INFINITY), 2.5, -3.0}) {
+    for (int c = 0; c < 3; ++c) {
+      Vec3 v(1, -2, 0);
+      v[c] = odd;
+      EXPECT_FALSE(is_within(v, 2.5)) << odd << " at " << c;
+      EXPECT_FALSE(is_within(Vec3f(v.cast<float>()), 2.5f)) << odd << " at " << c;
+    }
+  }
 }
 
 TEST(Pose, ActsAsAGroup) {

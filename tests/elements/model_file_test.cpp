@@ -170,6 +170,18 @@ TEST_F(ModelFile, ReplacesAModelButNothingElse) {
   EXPECT_TRUE(fs::exists(folder_ / "photos" / "cat.jpg"));
 }
 
+TEST_F(ModelFile, ObservedSpaceThatNoMemoryHoldsIsRefused) {
+  const Cell3 far[] = {{INT32_MIN, 0, 0}, {0, INT32_MIN, 0}, {0, 0, INT32_MIN}, {0, 0, -65535}};
+  for (const Cell3& at : far) {
+    auto space = std::make_shared<ObservedSpace>();
+    space->blocks.resize(2);
+    space->blocks[0].at = at;
+    EXPECT_THROW(space->check(), std::invalid_argument);
+    space->blocks[0].at = {-65535, 0, 0};
+    EXPECT_NO_THROW(space->check());
+  }
+}
+
 TEST_F(ModelFile, ObservedSpaceComesBackAndItsDamageIsNoticed) {
   ObservedSpace space;
   space.density_per_m[3][2] = 0.25f;

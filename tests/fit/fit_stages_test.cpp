@@ -113,6 +113,42 @@ TEST(FitStages, KnowWhatTheStartFound) {
   EXPECT_THROW(read_start(temporary.path() / "start"), FormatError);
 }
 
+TEST(FitStages, NumbersThatMakeNoSenseAreRefused) {
+  const TemporaryPath temporary(fs::temp_directory_path(), "fit_stages");
+  const fs::path folder = temporary.path() / "start";
+  make_temporary_folders(temporary.path());
+  const BeamLog beams = test::drive_past_two_bushes(24, Vec3::Zero(), 3000);
+  MemorySource log(beams);
+  FitOptions options;
+  FitStart made = begin_fit(log, options);
+  const likelihood::Refinement r = begin_refinement(made, log.info(), options);
+  made.fitted.open.resize(made.fitted.model.ellipsoids.size());
+  const auto is_read = [&] {
+    fs::remove_all(folder);
+    write_start(folder, made, r, options);
+    try {
+      read_start(folder);
+    } catch (const FormatError&) {
+      return false;
+    }
+    return true;
+  };
+  EXPECT_TRUE(is_read());
+  likelihood::ListedBeam& beam = made.held_out.at(0);
+  for (float* value : {&beam.origin[0], &beam.range_m, &beam.direction[2], &beam.reach_m}) {
+    const float good = std::exchange(*value, NAN);
+    EXPECT_FALSE(is_read());
+    *value = good;
+  }
+  for (const float lie : {NAN, 1e30f}) {
+    made.fitted.open.at(0)(1, 2) = lie;
+    EXPECT_FALSE(is_read());
+    made.fitted.open.at(0)(1, 2) = 0;
+  }
+  made.fitted.report.range_noise_m = -1;
+  EXPECT_FALSE(is_read());
+}
+
 TEST(FitStages, DamagedSumsAreNamed) {
   const TemporaryPath temporary(fs::temp_directory_path(), "fit_stages");
   make_temporary_folders(temporary.path());

@@ -6,6 +6,7 @@
 
 #include "drive_past.hpp"
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/file.hpp"
 #include "underbrush/elements/model_file.hpp"
 
 namespace underbrush::fit {
@@ -99,6 +100,23 @@ TEST_F(TrainingFile, DamageIsRefused) {
     fs::remove(file);
     EXPECT_THROW(read_training(folder_), FormatError) << name;
     write();
+  }
+}
+
+TEST_F(TrainingFile, LiesAreRefused) {
+  const fs::path file = folder_ / "training" / "training.json";
+  const std::string good = read_file(file);
+  const std::pair<std::string, std::string> lies[] = {
+      {R"("tile_m": 12.0)", R"("tile_m": 2147483648)"},
+      {R"("file": "b.ply")", R"("file": "")"},
+      {R"("start": "hierarchical")", R"("start": "")"},
+      {R"("fitter": "likelihood")", R"("fitter": "x")"}};
+  for (const auto& [truth, lie] : lies) {
+    std::string text = good;
+    ASSERT_NE(text.find(truth), text.npos) << text;
+    fs::remove(file);
+    write_file(file, text.replace(text.find(truth), truth.size(), lie));
+    EXPECT_THROW(read_training(folder_), FormatError) << lie;
   }
 }
 

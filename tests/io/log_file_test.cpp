@@ -306,6 +306,7 @@ TEST(LogFile, WriterRefusesWhatCannotBeRead) {
   refuses([](BeamLog& log) { log.range_m[50] = NAN; });
   refuses([](BeamLog& log) { log.range_m[50] = 0; });
   refuses([](BeamLog& log) { log.origin[50].x() = INFINITY; });
+  for (int c = 0; c < 3; ++c) refuses([c](BeamLog& log) { log.origin[50][c] = NAN; });
   refuses([](BeamLog& log) { log.direction[50] *= 1.1f; });
   refuses([](BeamLog& log) { log.ring.pop_back(); });
   refuses([](BeamLog& log) { log.resize(0); });

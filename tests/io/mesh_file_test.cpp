@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <fstream>
 
 #include "io/temporary.hpp"
@@ -35,6 +37,22 @@ TEST_F(MeshFile, ReadsTheSameSquareOfObjAndPly) {
     ASSERT_EQ(m.triangles.size(), 2u);
     EXPECT_EQ(m.triangles[0], (std::array<uint32_t, 3>{0, 1, 2}));
     EXPECT_EQ(m.triangles[1], (std::array<uint32_t, 3>{0, 2, 3}));
+  }
+}
+
+TEST_F(MeshFile, CoordinatesThatAreNoNumbersAreRefused) {
+  for (size_t c = 0; c < 9; ++c) {
+    std::array<float, 12> facet{0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0};
+    facet[3 + c] = NAN;
+    std::string stl = std::string(80, ' ') + std::string("\1\0\0\0", 4);
+    stl.append(reinterpret_cast<const char*>(facet.data()), sizeof facet);
+    EXPECT_THROW(read_mesh(write("a.stl", stl + std::string(2, '\0'))), FormatError) << c;
+    std::string ply =
+        "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty "
+        "float y\nproperty float z\nelement face 1\nproperty list uchar uchar "
+        "vertex_indices\nend_header\n";
+    ply.append(reinterpret_cast<const char*>(&facet[3]), 9 * sizeof(float));
+    EXPECT_THROW(read_mesh(write("a.ply", ply + std::string("\3\0\1\2", 4))), FormatError) << c;
   }
 }
 

@@ -192,7 +192,9 @@ TEST(LiveSensors, RefusesWhatCannotBe) {
   refused([](Firing& f) { f.start_s = -1e300; });
   refused([](Firing& f) { f.vehicle.poses.clear(); });
   refused([](Firing& f) { f.vehicle.poses.push_back(f.vehicle.poses.back()); });
-  refused([&](Firing& f) { f.vehicle.poses[0].world_from_sensor.translation.x() = nan; });
+  for (int c = 0; c < 3; ++c) {
+    refused([&](Firing& f) { f.vehicle.poses[0].world_from_sensor.translation[c] = nan; });
+  }
   refused([](Firing& f) { f.vehicle.poses[0].world_from_sensor.translation.x() = 1e300; });
   refused([](Firing& f) { f.vehicle.poses[1].world_from_sensor.rotation.w() = 7; });
   refused([&](Firing& f) { f.vehicle.poses[1].world_from_sensor.rotation.w() = nan; });

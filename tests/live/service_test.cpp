@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cstring>
 #include <fstream>
 #include <thread>
@@ -101,10 +102,12 @@ TEST_F(FiringService, FiresInTheWorldsOfAFolderByTheirNames) {
   options.sensor = "velodyne-vlp16";
   OtherWorlds others(folder / "worlds", options);
   const auto service = service_of(sensors_, {}, &others);
-  EXPECT_EQ(service->describe("raised").worlds,
-            (std::vector<std::string>{"flat", "note.txt", "raised"}));
-  EXPECT_TRUE(service->describe("raised").actors.empty());
-  EXPECT_EQ(service->describe("").actors, std::vector<std::string>{"cart"});
+  const auto described = [&](const std::string& world) {
+    return service->describe(world, call().deadline).value();
+  };
+  EXPECT_EQ(described("raised").worlds, (std::vector<std::string>{"flat", "note.txt", "raised"}));
+  EXPECT_TRUE(described("raised").actors.empty());
+  EXPECT_EQ(described("").actors, std::vector<std::string>{"cart"});
   const auto fired = [&](const std::string& world) {
     sent_.clear();
     Firing f = part(3);
@@ -125,11 +128,39 @@ TEST_F(FiringService, FiresInTheWorldsOfAFolderByTheirNames) {
   EXPECT_EQ(fired("raised"), raised_ranges);
   EXPECT_EQ(fired(""), own);
   for (const char* name : {"link", "outside", "../outside", "."}) {
-    EXPECT_THROW(service->describe(name), std::invalid_argument) << name;
+    EXPECT_THROW(described(name), std::invalid_argument) << name;
   }
-  EXPECT_THROW(service->describe("note.txt"), std::invalid_argument);
-  EXPECT_THROW(service_of(sensors_)->describe("flat"), std::invalid_argument);
+  EXPECT_THROW(described("note.txt"), std::invalid_argument);
+  EXPECT_THROW(service_of(sensors_)->describe("flat", call().deadline), std::invalid_argument);
   EXPECT_EQ(fired("flat"), fired("flat"));
+}
+
+// While a world is being opened, a call for another one ends with its deadline.
+TEST_F(FiringService, WaitsForAWorldUntilTheDeadline) {
+  const io::TemporaryFolder folder;
+  std::ofstream large(folder / "large.obj");
+  for (int k = 0; k < 100000; ++k) {
+    large << "v " << k << " 0 0\nv " << k << " 1 0\nv " << k << " 0 1\nf -3 -2 -1\n";
+  }
+  large.close();
+  WorldOptions options;
+  options.sensor = "velodyne-vlp16";
+  OtherWorlds others(folder.path(), options);
+  const Deadline late = call().deadline;
+  std::atomic<bool> opened = false;
+  std::thread first([&] {
+    EXPECT_TRUE(others.sensors("large.obj", late));
+    opened = true;
+  });
+  bool ended = false;
+  while (!opened && !ended) {
+    try {
+      ended = !others.sensors("none", std::chrono::system_clock::now());
+    } catch (const std::invalid_argument&) {  // Nobody opens a world now.
+    }
+  }
+  first.join();
+  EXPECT_TRUE(ended);
 }
 
 TEST_F(FiringService, EndsWithItsDeadlineAndItsClient) {

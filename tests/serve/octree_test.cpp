@@ -300,5 +300,23 @@ TEST_F(Octree, NodesThatAreNoTreeAndADescriptionWithoutTheRootAreFound) {
   }
 }
 
+// Labels have four bytes for each row that the description names.
+TEST_F(Octree, RunsThatAreNotAllRowsAreFound) {
+  const OctreeFile file = build(hills(200000, 20));
+  const std::string whole = io::bytes_of(folder_ / "tree");
+  const uint64_t last = file.header().runs_at + 32 * (file.header().runs - 1);
+  for (const uint64_t at : {last, last + 8, last + 16, file.header().runs_at + 16}) {
+    std::string bytes = whole;
+    bytes[at + 3] = '\x7f';
+    io::put_bytes(folder_ / "bad", bytes);
+    EXPECT_THROW(OctreeFile(folder_ / "bad"), FormatError) << at - last;
+  }
+  std::string bytes = whole;
+  const std::string word = "\"rows\":";
+  bytes.replace(bytes.find(word, file.header().json_at) + word.size(), 1, "9");
+  io::put_bytes(folder_ / "bad", bytes);
+  EXPECT_THROW(OctreeFile(folder_ / "bad"), FormatError);
+}
+
 }  // namespace
 }  // namespace underbrush::serve

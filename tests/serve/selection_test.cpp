@@ -4,6 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "io/temporary.hpp"
 #include "serve/hills.hpp"
@@ -202,6 +206,25 @@ TEST_F(Selections, TheDepthLimitLeavesOutWhatIsHidden) {
   }
   EXPECT_GT(kept, 100u);
   EXPECT_LT(kept, inside.size());
+}
+
+// Points of a damaged octree: one is of a row that the log lacks, another one is nowhere.
+TEST_F(Selections, OddPointsAreLeftOut) {
+  std::string bytes = io::bytes_of(folder_ / "tree");
+  const OctreeNode root = file_->nodes()[0];
+  const auto put = [&](uint64_t at, auto value) { std::memcpy(&bytes[at], &value, sizeof value); };
+  put(root.at + 20 * root.points, UINT32_MAX);
+  put(root.at + 12 + 8, std::numeric_limits<float>::quiet_NaN());
+  io::put_bytes(folder_ / "odd", bytes);
+  const OctreeFile odd(folder_ / "odd");
+  const FoundRows found = find_rows(odd, *cubes_, {}, values_);
+  const auto j = nlohmann::json::parse(histogram_of(odd, *cubes_, found, {}, values_));
+  const auto total = [&](const char* name) {
+    const auto counts = j.at(name).at("counts").get<std::vector<uint64_t>>();
+    return std::accumulate(counts.begin(), counts.end(), uint64_t(0));
+  };
+  EXPECT_EQ(total("intensity"), odd.header().points - 1);
+  EXPECT_EQ(total("height_m"), odd.header().points - 2);
 }
 
 TEST_F(Selections, ActionsRespectLocksAndFilters) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "scenes.hpp"
@@ -78,6 +79,31 @@ bool machine_has(Isa isa) {
 }
 
 class Triangles : public testing::TestWithParam<Isa> {};
+
+/// Seconds for the pairs of a mesh.
+double seconds_of(const elements::Model& model) {
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_FALSE(TrianglePairs(model).first().empty());
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+// A fan around one corner and many triangles at one place, which face both ways.
+TEST(TrianglePairs, OfManyTrianglesAtACornerTakeLittleTime) {
+  constexpr uint32_t kMany = 300000;
+  elements::Model fan, same;
+  fan.surface.vertices.emplace_back(0, 0, 0);
+  same.surface.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  for (uint32_t k = 0; k < kMany; ++k) {
+    const double angle = 2 * M_PI * k / kMany;
+    fan.surface.vertices.emplace_back(float(std::cos(angle)), float(std::sin(angle)), 0);
+    fan.surface.triangles.push_back({0, k + 1, (k + 1) % kMany + 1});
+    same.surface.triangles.push_back({0, 1 + k % 2, 2 - k % 2});
+  }
+  fan.surface.hit.resize(kMany), same.surface.hit.resize(kMany);
+  EXPECT_LT(TrianglePairs(fan).first().size(), kMany * 9 / 10);
+  EXPECT_LT(seconds_of(fan), 5);
+  EXPECT_LT(seconds_of(same), 5);
+}
 
 TEST_P(Triangles, OfFoliageAreMetAsBruteForceInDoubleMeetsThem) {
   if (!machine_has(GetParam())) GTEST_SKIP();

@@ -3,7 +3,6 @@ from __future__ import annotations
 
 import collections
 import gzip
-import io
 import pathlib
 import struct
 import zlib
@@ -52,7 +51,7 @@ class Capture:
         """Opens `path`. Raises OSError, or FormatError where the file is no capture."""
         self.path = pathlib.Path(path)
         self.skipped: collections.Counter[str] = collections.Counter()
-        self._ahead = io.BytesIO()  # Bytes that were read and given back.
+        self._ahead, self._at = b"", 0  # Bytes that were read ahead, and the place of the next one.
         self._raw = self.path.open("rb")
         self.bytes_total = self.path.stat().st_size
         magic = self._raw.read(4)
@@ -90,26 +89,40 @@ class Capture:
                 self.skipped[_LOST] += len(self._fragments)
 
     def _read(self, size: int) -> bytes:
+        data = self._ahead[self._at:self._at + size]
+        self._at += len(data)
+        return data + self._from_file(size - len(data)) if len(data) < size else data
+
+    def _from_file(self, size: int) -> bytes:
         try:
-            data = self._ahead.read(size)
-            return data + self._file.read(size - len(data)) if len(data) < size else data
+            return self._file.read(size)
         except (EOFError, zlib.error, gzip.BadGzipFile):
             self.skipped["damaged gzip stream; the rest of the file is left out"] += 1
             return b""
 
     def _give_back(self, data: bytes) -> None:
-        self._ahead = io.BytesIO(data + self._ahead.read())
+        before = self._at - len(data)
+        if before >= 0 and self._ahead[before:self._at] == data:
+            self._at = before
+        else:
+            self._ahead, self._at = data + self._ahead[self._at:], 0
 
     def _resume(self, damaged: bytes, sound: Callable[[bytes, int], bool], reason: str) -> bool:
-        """Goes on where `sound(data, place)` first holds after the start of a damaged record; False: nowhere."""
+        """Goes on where `sound(data, place)` first holds after the start of a damaged record; False: nowhere.
+
+        It reads ahead more than it searches, so that many damaged records do not each copy what was read."""
         self.skipped[reason] += 1
-        data = damaged[1:] + self._read(_MAX_SEARCH - len(damaged))
-        place = next((place for place in range(len(data) - 16) if sound(data, place)), None)
+        self._give_back(damaged[1:])
+        if len(self._ahead) - self._at < _MAX_SEARCH:
+            self._ahead, self._at = self._ahead[self._at:] + self._from_file(2 * _MAX_SEARCH), 0
+        end = min(len(self._ahead), self._at + _MAX_SEARCH)
+        place = next((place for place in range(self._at, end - 16) if sound(self._ahead, place)), None)
         if place is None:
+            self._at = end
             if self._read(1):
                 self.skipped["damaged file; its rest is left out"] += 1
             return False
-        self._give_back(data[place:])
+        self._at = place
         return True
 
     def _packets(self) -> Iterator[tuple[float, int, bytes, int]]:

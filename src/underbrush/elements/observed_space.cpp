@@ -21,6 +21,23 @@ void add_beams(ObservedBlock& to, const ObservedBlock& from) {
   }
 }
 
+/// Whether the blocks lie so near to each other that a table of all places between them fits in
+/// memory.
+bool is_near(const std::vector<ObservedBlock>& blocks) {
+  constexpr int32_t kMost[] = {1 << 16, 1 << 16, 1 << 12}, kFarthest = 1 << 25;
+  if (blocks.empty()) return true;
+  Cell3 low = blocks.front().at, high = low;
+  for (const ObservedBlock& b : blocks) {
+    low = {std::min(low.x, b.at.x), std::min(low.y, b.at.y), std::min(low.z, b.at.z)};
+    high = {std::max(high.x, b.at.x), std::max(high.y, b.at.y), std::max(high.z, b.at.z)};
+  }
+  const auto fits = [](int32_t from, int32_t to, int32_t most) {
+    return from >= -kFarthest && to <= kFarthest && to - from < most;
+  };
+  return fits(low.x, high.x, kMost[0]) && fits(low.y, high.y, kMost[1]) &&
+         fits(low.z, high.z, kMost[2]);
+}
+
 }  // namespace
 
 size_t ObservedSpace::height_interval(double height_m) { return interval_of(kHeightsM, height_m); }
@@ -54,6 +71,7 @@ void ObservedSpace::check() const {
   for (size_t k = 1; k < blocks.size(); ++k) {
     require(blocks[k - 1].at < blocks[k].at, "observed space: its blocks are not in order");
   }
+  require(is_near(blocks), "observed space: a block is too far from the others");
   for (size_t k = 1; k < lost.size(); ++k) {
     require(lost[k - 1].at < lost[k].at, "observed space: its lost beams are not in order");
   }

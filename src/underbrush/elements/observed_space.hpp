@@ -67,7 +67,8 @@ struct ObservedSpace {
   static size_t range_interval(double range_m);
   /// Adds the beams of another map, whose cells are of the same size.
   void add(const ObservedSpace& other);
-  /// Throws `std::invalid_argument` where values are not finite or blocks are not in their order.
+  /// Throws `std::invalid_argument` where values are not finite or blocks are not in their
+  /// order, or lie too far from each other for tables of the places between them.
   void check() const;
 };
 

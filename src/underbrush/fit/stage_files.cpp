@@ -3,9 +3,11 @@
 #include <nlohmann/json.hpp>
 
 #include "underbrush/compact/cursor.hpp"
+#include "underbrush/core/beam_log.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
 #include "underbrush/core/temporary.hpp"
+#include "underbrush/core/within.hpp"
 #include "underbrush/elements/model_file.hpp"
 #include "underbrush/fit/training_file.hpp"
 #include "underbrush/io/atomic_file.hpp"
@@ -61,6 +63,7 @@ FitReport report_of(const JsonValue& j) {
   const JsonValue counts = j.at("counts"), leaves = j.at("leaf_angles");
   for (const auto& [name, count] : kCounts) r.*count = counts.at(name).count();
   r.range_noise_m = j.at("range_noise_m").number();
+  if (!(r.range_noise_m >= 0)) j.at("range_noise_m").fail("it must not be negative");
   for (const JsonValue& warning : j.at("warnings").values()) r.warnings.push_back(warning.text());
   r.leaf_angles = {leaves.at("cells").count(), leaves.at("hits").count(), leaves.at("chi").number(),
                    leaves.at("deviation").number(), leaves.at("used").boolean()};
@@ -118,6 +121,29 @@ std::vector<Row> rows_of(const fs::path& file) {
   if (bytes.size() % sizeof(Row) != 0) throw FormatError(bytes.name(), "", "ends too early");
   std::vector<Row> rows(bytes.size() / sizeof(Row));
   bytes.read(0, rows.data(), bytes.size());
+  return rows;
+}
+
+bool is_usable(const ListedBeam& b) {
+  const Vec3f origin(b.origin), direction(b.direction);
+  constexpr float kLoose = 1e-3f;
+  return is_within(origin, float(kMaxCoordinate)) && std::abs(direction.norm() - 1) < kLoose &&
+         b.range_m >= 0 && b.reach_m >= 0;
+}
+
+/// Whether a covariance (m²) is that of an ellipsoid that a log can hold.
+bool is_usable(const Eigen::Matrix3f& covariance) {
+  return is_within(covariance, float(kMaxCoordinate));
+}
+
+template <class Row>
+std::vector<Row> usable_rows_of(const fs::path& file) {
+  std::vector<Row> rows = rows_of<Row>(file);
+  for (size_t k = 0; k < rows.size(); ++k) {
+    if (!is_usable(rows[k])) {
+      throw FormatError(file.string(), "row " + std::to_string(k), "its numbers make no sense");
+    }
+  }
   return rows;
 }
 
@@ -183,8 +209,8 @@ FitStart read_start(const fs::path& folder) {
   const io::JsonFile report(folder / kReport);
   out.fitted.report = report_of(report.root());
   out.training_beams = report.root().at("training_beams").count();
-  out.held_out = rows_of<ListedBeam>(folder / kHeldOut);
-  out.fitted.open = rows_of<Eigen::Matrix3f>(folder / kOpen);
+  out.held_out = usable_rows_of<ListedBeam>(folder / kHeldOut);
+  out.fitted.open = usable_rows_of<Eigen::Matrix3f>(folder / kOpen);
   if (!out.fitted.open.empty() && out.fitted.open.size() != out.fitted.model.ellipsoids.size()) {
     throw FormatError((folder / kOpen).string(), "", "it is of another number of ellipsoids");
   }

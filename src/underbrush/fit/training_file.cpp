@@ -7,6 +7,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
 #include "underbrush/core/temporary.hpp"
+#include "underbrush/fit/fitters.hpp"
 #include "underbrush/fit/parameters.hpp"
 #include "underbrush/io/json_file.hpp"
 #include "underbrush/io/json_text.inl"
@@ -22,6 +23,7 @@ using ground::SparseSums;
 using io::PlyElement;
 
 constexpr uint64_t kVersion = 1;
+constexpr double kMostTileM = 1e6;  ///< The greatest value of --tile.
 constexpr const char* kFolder = "training";
 constexpr const char* kSums[kPointCouplings] = {"self", "east", "north", "north_east",
                                                 "north_west"};
@@ -246,14 +248,23 @@ Training read_training(const fs::path& model) {
       read_parameter(p, *value, out.options);
     }
   }
+  try {
+    fitter_named(out.options.fitter);
+    start_of(out.options);
+  } catch (const std::invalid_argument& e) {
+    given.fail(e.what());
+  }
   if (const auto sensor = j.find("sensor")) out.options.sensor = sensor->text();
   if (const auto file = j.find("sensor_file")) out.options.sensor_file = file->text();
   out.footprint = j.at("footprint").boolean();
   for (const io::JsonValue& log : j.at("logs").values()) {
+    if (log.at("file").text().empty()) log.at("file").fail("no name");
     out.logs.push_back({log.at("file").text(), log.at("hash").text(), log.at("beams").count()});
   }
   out.record.tile_m = j.at("tile_m").number();
-  if (!(out.record.tile_m > 0)) j.at("tile_m").fail("not positive");
+  if (!(out.record.tile_m >= 1 && out.record.tile_m <= kMostTileM)) {
+    j.at("tile_m").fail("not a side of tiles");
+  }
   if (const auto last = j.find("last_returns")) out.record.last_returns = read_last_returns(*last);
   out.record.tiles = read_tiles(folder);
   out.record.residuals = read_residuals(folder);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/within.hpp"
 #include "underbrush/io/ply_header.hpp"
 #include "underbrush/io/point_times.hpp"
 
@@ -72,7 +73,7 @@ BeamLog beams_from_table(const std::string& file, Table table,
     const double length = (end - origin).norm();
     const bool finite = std::isfinite(length) && std::isfinite(time[i]) &&
                         std::isfinite(float(intensity[i])) && std::isfinite(hit[i]) &&
-                        length < 1e6 && origin.cwiseAbs().maxCoeff() < 6e7;
+                        length < 1e6 && is_within(origin, 6e7);
     if (!finite || length < 1e-6) {
       ++skipped[finite ? "zero-length ray" : "not finite"];
       continue;

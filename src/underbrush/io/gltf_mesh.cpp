@@ -7,6 +7,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
+#include "underbrush/core/within.hpp"
 #include "underbrush/io/json_text.inl"
 
 namespace underbrush::io {
@@ -215,7 +216,7 @@ class GltfReader {
       Vec3f x;
       std::memcpy(x.data(), v.data + k * v.stride, sizeof x);
       mesh_.vertices.push_back(here * x.cast<double>());
-      if (!(mesh_.vertices.back().cwiseAbs().maxCoeff() <= 1e9)) {
+      if (!is_within(mesh_.vertices.back(), 1e9)) {
         fail("POSITION", "a coordinate is not finite");
       }
     }

@@ -6,6 +6,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
+#include "underbrush/core/within.hpp"
 #include "underbrush/io/gltf_mesh.hpp"
 #include "underbrush/io/mesh_readers.hpp"
 #include "underbrush/io/ply.hpp"
@@ -66,7 +67,7 @@ MeshScene read_ply_scene(const fs::path& path) {
         *column);
   }
   for (size_t i = 0; i < mesh.vertices.size(); ++i) {
-    if (!(mesh.vertices[i].cwiseAbs().maxCoeff() <= 1e9)) {
+    if (!is_within(mesh.vertices[i], 1e9)) {
       throw FormatError(path.string(), "vertex " + std::to_string(i), "not finite");
     }
   }

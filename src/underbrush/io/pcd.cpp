@@ -8,6 +8,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
+#include "underbrush/core/within.hpp"
 #include "underbrush/io/log_layout.hpp"
 #include "underbrush/io/ply_header.hpp"
 #include "underbrush/io/table.hpp"
@@ -137,7 +138,7 @@ class PcdParser {
     Pose pose{{v[3], v[4], v[5], v[6]}, {v[0], v[1], v[2]}};
     if (std::abs(pose.rotation.norm() - 1) > 5e-3) fail("VIEWPOINT: quaternion's length is not 1");
     pose.rotation.normalize();
-    if (!(pose.translation.cwiseAbs().maxCoeff() < kMaxCoordinate)) {
+    if (!is_within(pose.translation, kMaxCoordinate)) {
       fail("VIEWPOINT: a log cannot hold positions so far away");
     }
     if (pose.translation.isZero() && std::abs(pose.rotation.w()) == 1) return;

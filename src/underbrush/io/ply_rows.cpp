@@ -7,6 +7,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
+#include "underbrush/core/within.hpp"
 #include "underbrush/io/log_rows.hpp"
 
 namespace underbrush::io {
@@ -200,7 +201,7 @@ uint8_t PlyRows::decode_ray(const char* row, BeamLog& out, size_t i) const {
   }
   if (length < kMinRange) return kZeroLength;
   // What a log cannot hold must not come out of one either.
-  if (!(length < kMaxCoordinate && out.origin[i].cwiseAbs().maxCoeff() < kMaxCoordinate)) {
+  if (!(length < kMaxCoordinate && is_within(out.origin[i], kMaxCoordinate))) {
     return kTooLarge;
   }
   // A miss in a log of ours is exactly as long as the maximum range; its stored length differs only

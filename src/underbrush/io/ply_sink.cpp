@@ -5,6 +5,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/parallel.hpp"
+#include "underbrush/core/within.hpp"
 #include "underbrush/io/log_rows.hpp"
 
 namespace underbrush::io {
@@ -122,7 +123,7 @@ void PlySink::encode_beam(const BeamLog& log, size_t i, char* row) {
   const Vec3& o = log.origin[i];
   require_data(range >= kMinRange && range < kMaxCoordinate,
                "log: a range is not above 0 and finite");
-  require_data(o.cwiseAbs().maxCoeff() < kMaxCoordinate && std::isfinite(log.time_s[i]) &&
+  require_data(is_within(o, kMaxCoordinate) && std::isfinite(log.time_s[i]) &&
                    std::isfinite(log.intensity[i]),
                "log: an origin, time or intensity is not finite or too large");
   const Vec3 ray = stored_ray(log.direction[i], range);

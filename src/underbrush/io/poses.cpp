@@ -8,6 +8,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
+#include "underbrush/core/within.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/io/log_layout.hpp"
 #include "underbrush/io/pose_columns.hpp"
@@ -48,9 +49,7 @@ void check_unique(const fs::path& path, std::vector<double> times) {
 constexpr const char* kTooFar = "a position beyond 67 108 km";
 
 // A log cannot hold positions beyond this.
-bool is_near_enough(const Vec3& position) {
-  return position.allFinite() && position.cwiseAbs().maxCoeff() < kMaxCoordinate;
-}
+bool is_near_enough(const Vec3& position) { return is_within(position, kMaxCoordinate); }
 
 /// The pose of a row; its columns are those of time, position x y z and quaternion x y z w.
 std::optional<Pose> pose_from_tum(const std::vector<double>& v, const PoseColumns& at) {

@@ -5,6 +5,7 @@
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
+#include "underbrush/core/within.hpp"
 #include "underbrush/io/mesh_readers.hpp"
 #include "underbrush/io/text.hpp"
 
@@ -62,7 +63,7 @@ MeshScene read_binary(const fs::path& path, const std::string& bytes) {
     std::array<uint32_t, 3> corner{};
     for (size_t c = 0; c < 3; ++c) {
       const Vec3 x(v[3 * c], v[3 * c + 1], v[3 * c + 2]);
-      if (!(x.cwiseAbs().maxCoeff() <= 1e9)) {
+      if (!is_within(x, 1e9)) {
         throw FormatError(path.string(), "triangle " + std::to_string(k), "not finite");
       }
       corner[c] = vertices.number_of(x);

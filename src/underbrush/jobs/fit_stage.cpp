@@ -40,6 +40,17 @@ likelihood::PassSums sums_of(const FitStage& stage, const elements::Model& model
   return sums;
 }
 
+/// Takes the step of the sums. What they make of the model is wrong where they are.
+void take_step(const FitStage& stage, likelihood::Refinement& refinement,
+               const fit::FitStart& start, const LogInfo& info, const fit::FitOptions& options) {
+  try {
+    fit::take_step(refinement, sums_of(stage, refinement.best->model), start, info, options);
+    refinement.best->model.check();
+  } catch (const std::invalid_argument& e) {
+    throw FormatError(stage.from.back(), "", std::string("its sums do not fit: ") + e.what());
+  }
+}
+
 }  // namespace
 
 std::optional<pipeline::FittedModel> run_fit_stage(const FitStage& stage, io::LogSequence& logs,
@@ -59,7 +70,7 @@ std::optional<pipeline::FittedModel> run_fit_stage(const FitStage& stage, io::Lo
   require(stage.from.size() >= 2, "fit: a step is from two folders and the files of sums");
   fit::FitStart start = fit::read_start(stage.from[0]);
   likelihood::Refinement refinement = fit::read_refinement(stage.from[1]);
-  fit::take_step(refinement, sums_of(stage, refinement.best->model), start, logs.info(), options);
+  take_step(stage, refinement, start, logs.info(), options);
   if (stage.name == "step") {
     fit::write_refinement(output, refinement);
     return {};

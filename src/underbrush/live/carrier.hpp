@@ -7,7 +7,7 @@
 namespace underbrush::live {
 
 /// The version of the types that the program and the library share.
-inline constexpr int kCarrierVersion = 2;
+inline constexpr int kCarrierVersion = 3;
 
 /// A function that does the work of `serve`. Returns "", or the reason of a failure.
 using Carrier = std::string (*)(int version, Service& service, const ServerOptions& options,

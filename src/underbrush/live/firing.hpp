@@ -1,6 +1,7 @@
 /// \file
 /// The requests of clients of the sensor server, and the answers.
 #pragma once
+#include <chrono>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -10,6 +11,9 @@
 namespace underbrush {
 /// Sensors that fire on demand, for simulations in closed loop.
 namespace live {
+
+/// The time at which a call ends, whether it was answered or not.
+using Deadline = std::chrono::system_clock::time_point;
 
 /// A motion: poses over time (world from body), or one pose with the velocities that it has from
 /// then on.

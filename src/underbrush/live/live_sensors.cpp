@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/within.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 
 namespace underbrush::live {
@@ -22,7 +23,7 @@ void check_pose(Pose& pose) {
   const double off = std::abs(pose.rotation.norm() - 1);
   require(off < kLoose, "motion: a rotation is not a unit quaternion");
   if (off > kExact) pose.rotation.normalize();
-  require(pose.translation.cwiseAbs().maxCoeff() < kMaxCoordinate,
+  require(is_within(pose.translation, kMaxCoordinate),
           "motion: a position is not finite or too far from the origin");
 }
 

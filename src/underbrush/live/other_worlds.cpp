@@ -36,11 +36,12 @@ std::shared_ptr<OpenedWorld> OtherWorlds::kept(const std::string& name) {
   return kept_.back().second;
 }
 
-std::shared_ptr<LiveSensors> OtherWorlds::sensors(const std::string& name) {
+std::shared_ptr<LiveSensors> OtherWorlds::sensors(const std::string& name, Deadline deadline) {
   constexpr size_t kMostOpen = 2;
   std::shared_ptr<OpenedWorld> world = kept(name);
   if (!world) {
-    const std::lock_guard opening(opening_);
+    std::unique_lock opening(opening_, std::defer_lock);
+    if (!opening.try_lock_until(deadline)) return nullptr;
     world = kept(name);  // Another thread may have opened it meanwhile.
     if (!world) {
       const std::vector<std::string> known = names();

@@ -21,9 +21,10 @@ class OtherWorlds {
 
   /// The names of the files and folders in the folder, sorted; at most 1000.
   std::vector<std::string> names() const;
-  /// The sensors in a world; their world stays open as long as they are held. Throws
-  /// `std::invalid_argument` for a name that is none of the folder, and as `open_world` does.
-  std::shared_ptr<LiveSensors> sensors(const std::string& name);
+  /// The sensors in a world; their world stays open as long as they are held. Null where another
+  /// world is being opened until the deadline. Throws `std::invalid_argument` for a name that is
+  /// none of the folder, and as `open_world` does.
+  std::shared_ptr<LiveSensors> sensors(const std::string& name, Deadline deadline);
 
  private:
   using Kept = std::pair<std::string, std::shared_ptr<OpenedWorld>>;
@@ -31,8 +32,9 @@ class OtherWorlds {
 
   std::filesystem::path folder_;
   WorldOptions options_;
-  std::mutex opening_, mutex_;  ///< `mutex_` guards `kept_`; one world is opened at a time.
-  std::vector<Kept> kept_;      ///< The open worlds, in the order of their last requests.
+  std::timed_mutex opening_;  ///< One world is opened at a time.
+  std::mutex mutex_;          ///< It guards `kept_`.
+  std::vector<Kept> kept_;    ///< The open worlds, in the order of their last requests.
 };
 
 }  // namespace underbrush::live

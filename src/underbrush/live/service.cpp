@@ -75,9 +75,10 @@ class SensorService : public Service {
   SensorService(LiveSensors& sensors, const ServiceLimits& limits, OtherWorlds* others)
       : own_(std::shared_ptr<LiveSensors>(), &sensors), limits_(limits), others_(others) {}
 
-  Description describe(const std::string& world) override {
+  std::optional<Description> describe(const std::string& world, Deadline deadline) override {
     Description out;
-    const std::shared_ptr<LiveSensors> sensors = sensors_in(world);
+    const std::shared_ptr<LiveSensors> sensors = sensors_in(world, deadline);
+    if (!sensors) return {};
     for (size_t k = 0; k < sensors->sensors().size(); ++k) {
       const sensor::Sensor& s = sensors->sensors()[k];
       const perception::MountedSensor& m = sensors->rig().sensors[k];
@@ -95,7 +96,8 @@ class SensorService : public Service {
     const Firing& f = request.firing;
     require(f.until_s - f.start_s <= limits_.duration_s,
             "fire: more than an hour from the start of the sensors to the end");
-    const std::shared_ptr<LiveSensors> sensors = sensors_in(request.world);
+    const std::shared_ptr<LiveSensors> sensors = sensors_in(request.world, call.deadline);
+    if (!sensors) return false;
     require(sensors->beams_in(f) <= double(limits_.beams),
             "fire: more beams than a firing may have");
     if (!request.layout.empty()) io::driver_layout_from_name(request.layout);
@@ -137,11 +139,12 @@ class SensorService : public Service {
     });
   }
 
-  std::shared_ptr<LiveSensors> sensors_in(const std::string& world) {
+  /// The sensors in a world; null where it is not open at the deadline.
+  std::shared_ptr<LiveSensors> sensors_in(const std::string& world, Deadline deadline) {
     if (world.empty()) return own_;
     require(others_ != nullptr, "the server has no folder of worlds");
     try {
-      return others_->sensors(world);
+      return others_->sensors(world, deadline);
     } catch (const FormatError& e) {  // What carries the service knows no types of the library.
       throw std::invalid_argument(e.what());
     }

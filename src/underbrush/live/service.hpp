@@ -4,6 +4,7 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,7 +41,7 @@ struct FireRequest {
 
 /// The call of a client.
 struct Call {
-  std::chrono::system_clock::time_point deadline;
+  Deadline deadline;
   std::function<bool()> is_cancelled;
   /// Sends a part and waits until it is on its way. Returns false if nobody waits for it.
   std::function<bool(Part)> send;
@@ -52,9 +53,10 @@ struct Call {
 class Service {
  public:
   virtual ~Service() = default;
-  /// Describes a world ("" = the server's own), and opens it if need be. Throws
-  /// `std::invalid_argument` for one that there is not or that cannot be read.
-  virtual Description describe(const std::string& world) = 0;
+  /// Describes a world ("" = the server's own), and opens it if need be. Returns nothing where
+  /// another world is being opened until the deadline. Throws `std::invalid_argument` for a world
+  /// that there is not or that cannot be read.
+  virtual std::optional<Description> describe(const std::string& world, Deadline deadline) = 0;
   /// Fires and sends the answer. Returns false if it was cancelled or the deadline passed before
   /// all was sent. Throws `std::invalid_argument` for a request that cannot be answered.
   virtual bool fire(const FireRequest& request, const Call& call) = 0;

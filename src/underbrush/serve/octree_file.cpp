@@ -1,6 +1,7 @@
 #include <array>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "underbrush/core/check.hpp"
 #include "underbrush/serve/octree_tree.hpp"
@@ -18,8 +19,8 @@ std::vector<T> read_table(const InputFile& file, uint64_t at, uint64_t n) {
   return out;
 }
 
-/// Whether the description has what its readers take from it.
-bool is_description(const std::string& json) {
+/// The number of rows in the description, if that has all that its readers take from it.
+std::optional<uint64_t> described_rows(const std::string& json) {
   using Corner = std::array<double, 3>;
   try {
     const auto j = nlohmann::json::parse(json);
@@ -27,10 +28,22 @@ bool is_description(const std::string& json) {
     j.at("root_low_m").get<Corner>();
     j.at("root_side_m").get<double>();
     j.at("first_time_s").get<double>();
-    return j.at("rows").is_number_unsigned();
+    if (!j.at("rows").is_number_unsigned()) return {};
+    return j.at("rows").get<uint64_t>();
   } catch (const nlohmann::json::exception&) {
-    return false;
+    return {};
   }
+}
+
+/// Whether the runs follow each other and are all rows.
+bool are_all_rows(const std::vector<OctreeRun>& runs, uint64_t rows) {
+  uint64_t next = 0, beam = 0;
+  for (const OctreeRun& r : runs) {
+    if (r.first_row != next || r.first_beam < beam || r.first_beam > next) return false;
+    next += r.rows;
+    beam = r.first_beam;
+  }
+  return next == rows;
 }
 
 }  // namespace
@@ -46,7 +59,11 @@ OctreeFile::OctreeFile(const std::filesystem::path& path) : file_(path) {
   runs_ = read_table<OctreeRun>(file_, header_.runs_at, header_.runs);
   const std::vector<char> json = read_table<char>(file_, header_.json_at, header_.json_bytes);
   json_.assign(json.begin(), json.end());
-  if (!is_description(json_)) fail("description", "damaged");
+  const std::optional<uint64_t> rows = described_rows(json_);
+  if (!rows) fail("description", "damaged");
+  if (header_.points > *rows || !are_all_rows(runs_, *rows)) {
+    fail("runs", "they are not all rows");
+  }
   if (nodes_.empty()) fail("nodes", "no root");
   uint64_t points = 0, next_child = 1;
   for (const OctreeNode& n : nodes_) {

@@ -15,10 +15,12 @@ constexpr size_t kSteps = 40;
 class Histogram {
  public:
   void see(double value) {
+    if (!std::isfinite(value)) return;
     low_ = std::min(low_, value);
     high_ = std::max(high_, value);
   }
   void add(double value) {
+    if (!std::isfinite(value)) return;
     const double share = high_ > low_ ? (value - low_) / (high_ - low_) : 0;
     ++counts_[std::min(size_t(share * kSteps), kSteps - 1)];
   }
@@ -42,7 +44,9 @@ std::string histogram_of(const OctreeFile& file, const NodeCubes& cubes, const F
       const OctreePoints points = read_points(file, file.nodes()[k]);
       for (size_t i = 0; i < points.row.size(); ++i) {
         const uint32_t row = points.row[i];
-        if (!found.rows.has(row) || !selection.admits(LabelValue::of(values[row]))) continue;
+        if (row >= cubes.rows || !found.rows.has(row) ||
+            !selection.admits(LabelValue::of(values[row])))
+          continue;
         any = true;
         const double z = cubes.origin.z() + cubes.low[k].z() + double(points.position[i].z());
         const double shine = std::isfinite(points.intensity[i]) ? double(points.intensity[i]) : 0;

@@ -1,6 +1,8 @@
 #include "underbrush/trace/triangle_pairs.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace underbrush::trace {
 namespace {
@@ -10,9 +12,12 @@ struct Side {
   uint32_t triangle, to;
 };
 
-/// The sides of a mesh by the vertex from which they run.
+/// The sides of a mesh by the vertex from which they run. Where more than `kMany` begin, they are
+/// in the order of their ends, so that the time does not grow with the square of their number.
 class Sides {
  public:
+  static constexpr size_t kMany = 32;
+
   explicit Sides(const elements::TriangleMesh& mesh)
       : begin_(mesh.vertices.size() + 1), side_(3 * mesh.size()) {
     for (const auto& corners : mesh.triangles) {
@@ -25,17 +30,31 @@ class Sides {
         side_[--begin_[mesh.triangles[t][k]]] = {uint32_t(t), mesh.triangles[t][(k + 1) % 3]};
       }
     }
+    for (uint32_t v = 0; v < mesh.vertices.size(); ++v) {
+      const std::span<Side> sides = from(v);
+      if (sides.size() > kMany) std::ranges::stable_sort(sides, {}, &Side::to);
+    }
   }
 
-  /// Calls visit(triangle) for each triangle with the side from `from` to `to`.
+  /// Calls visit(triangle) for each triangle with the side from `begin` to `end`; for the first
+  /// ones alone where there are many.
   template <class Visit>
-  void each(uint32_t from, uint32_t to, Visit visit) const {
-    for (uint32_t i = begin_[from]; i < begin_[from + 1]; ++i) {
-      if (side_[i].to == to) visit(side_[i].triangle);
+  void each(uint32_t begin, uint32_t end, Visit visit) {
+    std::span<Side> sides = from(begin);
+    if (sides.size() > kMany) {
+      const auto found = std::ranges::equal_range(sides, end, {}, &Side::to);
+      sides = {found.begin(), std::min(found.size(), kMany)};
+    }
+    for (const Side& s : sides) {
+      if (s.to == end) visit(s.triangle);
     }
   }
 
  private:
+  std::span<Side> from(uint32_t vertex) {
+    return std::span(side_).subspan(begin_[vertex], begin_[vertex + 1] - begin_[vertex]);
+  }
+
   std::vector<uint32_t> begin_;
   std::vector<Side> side_;
 };
@@ -59,7 +78,7 @@ TrianglePairs::TrianglePairs(const elements::Model& model) : pair_(model.triangl
 }
 
 void TrianglePairs::add(const elements::TriangleMesh& mesh, uint32_t number) {
-  const Sides sides(mesh);
+  Sides sides(mesh);
   std::vector<bool> taken(mesh.size());
   for (uint32_t t = 0; t < mesh.size(); ++t) {
     if (taken[t]) continue;

@@ -20,7 +20,8 @@ struct TrianglePair {
 /// All triangles of a model in pairs. Two make a pair if they are of one mesh, share an edge that
 /// each runs through in its own direction, and have a common box no larger than their two boxes
 /// together. Each takes the first partner in the order of numbers that is left, and the smallest
-/// box among its up to three.
+/// box among its up to three; at corners of many triangles, a part of those that share an edge is
+/// tried.
 class TrianglePairs {
  public:
   explicit TrianglePairs(const elements::Model& model);

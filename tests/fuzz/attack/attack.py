@@ -19,7 +19,7 @@ import bounded
 import jobs
 
 #: Each is a module with `attack(options, table)`.
-KINDS = ("files", "killed", "lies", "server", "fmus", "package")
+KINDS = ("files", "killed", "lies", "server", "live", "fmus", "package")
 UNSHARED = "UNDERBRUSH_ATTACK_UNSHARED"
 
 

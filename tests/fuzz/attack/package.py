@@ -2,11 +2,32 @@
 import json
 import os
 import pathlib
+import re
 import shutil
+import subprocess
 
 import bounded
+from bounded import ANSWER, REFUSAL
 
+TESTS = pathlib.Path(__file__).resolve().parents[3] / "python/tests"
+#: Programs that give the readers of recordings lies in the fields of each format, and how many of each.
+LIARS = (("recordings", "mutate_formats.py", ("--lies", "--count", "200")),
+         ("captures", "mutate_packets.py", ("--lies", "--mutants", "60")))
+COUNTED = re.compile(r"(\d+) (read|counted|scans(?:, with counts of what was left out)?|asked|refused)\b")
 ATTACKS = ("strides", "kinds", "spoiled", "lifetimes", "forks", "interrupted", "shared")
+
+
+def lies(python, paths, table):
+    """Lies in recordings and captures; each program prints what came of each kind of file."""
+    for name, script, words in LIARS:
+        done = subprocess.run([python, TESTS / script, *words], env=paths, text=True, capture_output=True, check=False)
+        for count, what in COUNTED.findall(done.stdout):
+            table.add("Python: lies in " + name, REFUSAL if what in ("asked", "refused") else ANSWER, count=int(count))
+        for line in done.stdout.splitlines():
+            if line.startswith("  FAILED "):
+                table.add("Python: lies in " + name, line[9:])
+        if done.returncode not in (0, 1) or (done.returncode and "FAILED" not in done.stdout):
+            table.add("Python: lies in " + name, f"the process ended with {done.returncode}: {done.stderr[-300:]}")
 
 
 def attack(options, table):
@@ -28,3 +49,4 @@ def attack(options, table):
         else:
             last = " / ".join(done.err.strip().splitlines()[-3:])
             table.add("Python: " + name, f"the process ended with {done.code}: {last}")
+    lies(python, paths, table)

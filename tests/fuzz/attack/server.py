@@ -2,7 +2,6 @@
 import contextlib
 import itertools
 import pathlib
-import random
 import resource
 import shutil
 import socket
@@ -12,14 +11,14 @@ import threading
 import time
 import urllib.parse
 
-import bounded
+import served_files
 from bounded import ANSWER, REFUSAL
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "cli"))
 import cli_test  # noqa: E402
 import serving  # noqa: E402
 
-CONNECTIONS, FLIPS = 10_000, 60
+CONNECTIONS = 10_000
 HELD = 256 << 20  # bytes by which the server may grow
 MARK = b"HTTP/1.1 "
 
@@ -146,42 +145,6 @@ ATTACKS = {"byte ranges": ranges, "readers that do not read": slow_readers, "man
            "requests in requests": smuggled, "huge requests": huge_heads, "words of jobs": job_words}
 
 
-def flipped(data, chance, count):
-    """The bytes with one changed, at places of which half are near the beginning."""
-    for k in range(count):
-        at = chance.randrange(min(len(data), 200) if k % 2 else len(data))
-        yield at, data[:at] + bytes([data[at] ^ 1 << chance.randrange(8)]) + data[at + 1:]
-
-
-def serve(folder, *words):
-    return bounded.start([cli_test.PROGRAM, "serve", "log.ply", "--cache", "cache", *words], folder)
-
-
-def damaged(folder, options, name, words, paths):
-    """Flips bytes in a file that the server keeps. It must answer each path, or refuse in one line."""
-    file = next(folder.glob(name))
-    good, chance = file.read_bytes(), random.Random(options.seed)
-    for at, data in flipped(good, chance, FLIPS):
-        file.write_bytes(data)
-        try:
-            server = serving.Server(folder, "log.ply", words=words)
-        except AssertionError as error:
-            lines = str(error).strip().splitlines()
-            one = len(lines) == 1 and lines[0].startswith("underbrush: ")
-            yield REFUSAL if one else f"refused in {len(lines)} lines: {str(error)[:300]}", f"{name} byte {at}"
-            continue
-        try:
-            states = [server.get(path, timeout=20)[0] for path in paths]
-            outcome = ANSWER if max(states) < 500 else REFUSAL
-            yield alive(server, 5) or outcome, f"{name} byte {at}"
-        except OSError as error:
-            yield f"no answer: {error}", f"{name} byte {at}"
-        finally:
-            server.process.kill()
-            server.process.communicate()
-    file.write_bytes(good)
-
-
 def two_servers(folder):
     """The second server of a folder of labels refuses in one line, or both serve and one of them edits."""
     first = serving.Server(folder, "log.ply", words=("--labels", "work"))
@@ -209,7 +172,4 @@ def attack(options, table):
     server.end()
     for outcome, what in two_servers(folder):
         table.add("server: two on one folder", outcome, what)
-    for name, words in (("work/*.labels", ("--labels", "work")), ("cache/*.octree", ())):
-        paths = ("api/labels?file=0", "api/octree?file=0", "api/octree/data?file=0", "api/beam?file=0&row=3")
-        for outcome, what in damaged(folder, options, name, words, paths):
-            table.add("server: flipped bytes of its own files", outcome, what)
+    served_files.attack(options, folder, table)

@@ -110,15 +110,16 @@ class Server final : public v1::SensorServer::Service {
   Status Describe(grpc::ServerContext* context, const v1::DescribeRequest* request,
                   v1::Description* reply) override {
     return answered(*context, [&] {
-      fill(service_.describe(request->world()), *reply);
-      return true;
+      const auto found =
+          service_.describe(request->world(), std::min(context->deadline(), latest_deadline()));
+      if (found) fill(*found, *reply);
+      return found.has_value();
     });
   }
 
   Status Fire(grpc::ServerContext* context, const v1::FireRequest* request,
               grpc::ServerWriter<v1::Part>* writer) override {
-    const auto latest =
-        std::chrono::system_clock::now() + std::chrono::duration<double>(options_.deadline_s + 1);
+    const Deadline latest = latest_deadline();
     return answered(*context, [&] {
       if (context->deadline() > latest) {
         throw std::invalid_argument("a call needs a deadline of at most a minute");
@@ -130,6 +131,11 @@ class Server final : public v1::SensorServer::Service {
   }
 
  private:
+  Deadline latest_deadline() const {
+    const std::chrono::duration<double> most(options_.deadline_s + 1);
+    return std::chrono::system_clock::now() + std::chrono::duration_cast<Deadline::duration>(most);
+  }
+
   void fill(const Description& d, v1::Description& reply) const {
     reply.set_version(options_.version);
     for (const SensorFacts& s : d.sensors) {
