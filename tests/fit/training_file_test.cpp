@@ -8,6 +8,7 @@
 #include "underbrush/core/check.hpp"
 #include "underbrush/core/file.hpp"
 #include "underbrush/elements/model_file.hpp"
+#include "underbrush/fit/fit.hpp"
 
 namespace underbrush::fit {
 namespace {

@@ -88,7 +88,8 @@ bool in_polygon(const std::vector<Vec2>& path, double x, double y) {
 double distance(const std::vector<Vec2>& path, bool closed, const Vec2& p) {
   double nearest = (p - path[0]).norm();
   for (size_t k = 0; k + (closed ? 0 : 1) < path.size(); ++k) {
-    const Vec2 a = path[k], ab = path[(k + 1) % path.size()] - a;
+    const Vec2& a = path[k];
+    const Vec2 ab = path[(k + 1) % path.size()] - a;
     const double t = std::clamp((p - a).dot(ab) / std::max(ab.squaredNorm(), 1e-12), 0.0, 1.0);
     nearest = std::min(nearest, (p - a - t * ab).norm());
   }

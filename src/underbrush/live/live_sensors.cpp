@@ -40,7 +40,7 @@ Trajectory vehicle_path(const Firing& f) {
   constexpr double kBefore = 1;  // s
   Motion motion = f.vehicle;
   require(!motion.poses.empty(), "fire: the vehicle has no pose");
-  const Trajectory path = trajectory_of(motion, f.until_s);
+  Trajectory path = trajectory_of(motion, f.until_s);
   std::vector<StampedPose> poses = path.poses();
   if (poses.size() == 1) return path;
   require(poses.front().time_s <= f.from_s && poses.back().time_s >= f.until_s,

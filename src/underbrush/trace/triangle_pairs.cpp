@@ -42,8 +42,9 @@ class Sides {
   void each(uint32_t begin, uint32_t end, Visit visit) {
     std::span<Side> sides = from(begin);
     if (sides.size() > kMany) {
-      const auto found = std::ranges::equal_range(sides, end, {}, &Side::to);
-      sides = {found.begin(), std::min(found.size(), kMany)};
+      const auto first = std::ranges::lower_bound(sides, end, {}, &Side::to);
+      const auto last = std::ranges::upper_bound(sides, end, {}, &Side::to);
+      sides = {first, std::min(size_t(last - first), kMany)};
     }
     for (const Side& s : sides) {
       if (s.to == end) visit(s.triangle);
