@@ -275,8 +275,8 @@ TEST(Csv, NumbersThatCannotBeRightAreRefused) {
   for (int k = 0; k < 30; ++k) {
     const std::string n = std::to_string(k);
     commas += n + ",05,-1," + std::to_string(10 + k) + ",2,50\n";
-    counted += n + " 1.5 " + n + ".25 2\n";
-    plain += n + ".5 1.5 2.25 " + n + "\n";
+    counted.append(n).append(" 1.5 ").append(n).append(".25 2\n");
+    plain.append(n).append(".5 1.5 2.25 ").append(n).append("\n");
   }
   EXPECT_NE(reason(commas).find("decimal commas"), std::string::npos);
   EXPECT_NE(reason("x,y,z\n1,05,-1,80,2,50\n").find("decimal commas"), std::string::npos);
@@ -311,8 +311,8 @@ TEST(Scans, OtherUnitsAndAnglesAreNamed) {
                 .first.find("write the points as x y z"),
             std::string::npos);
   const auto near = [](double first, double step) {
-    std::vector<double> out;
-    for (int k = 0; k < 30; ++k) out.push_back(first + step * (k % 7));
+    std::vector<double> out(30);
+    for (int k = 0; k < 30; ++k) out[size_t(k)] = first + step * (k % 7);
     return out;
   };
   EXPECT_NE(reason_of_scan({{"x", near(8, 1e-5)}, {"y", near(49, 1e-5)}, {"z", near(200, 1)}})
