@@ -24,10 +24,10 @@ class PointTimes {
       : period_s_(period_s), count_(count) {}
 
   /// Returns times in s: those beyond 100 s are absolute, others count from `scan_time_s`, or as
-  /// given. Where
-  /// the period is known and the first time is absolute and more than 10 s from `scan_time_s`, or
-  /// is not and is more than 1 s from it, the sensor has a clock of its own, such as µs since the
-  /// hour, and the first time is that of the scan. Throws `FormatError` where no unit fits.
+  /// given. Where the period is known and the first time is absolute and more than 10 s from
+  /// `scan_time_s`, or is not and is more than 1 s from it, the sensor has a clock of its own, such
+  /// as µs since the hour, and the first time is that of the scan. Throws `FormatError` where no
+  /// unit fits.
   std::vector<double> seconds(const std::string& file, const std::string& name,
                               const ExtraColumn& column, double scan_time_s);
   /// The assumption that was made; empty where the unit is the usual one.
