@@ -144,6 +144,8 @@ export async function editActors({ page, expect, ready, accessible, picture, pro
   await page.waitForFunction(() => /simulate (done|failed)/.test(document.documentElement.dataset.jobs), null, { polling: 100 });
   expect(/simulate done/.test(await fact(page, 'jobs')), await fact(page, 'jobs'));
   expect(/--actors \S*edits-\w+\.json/.test(await page.locator('.jobs').innerText()), 'the command line names the edits');
+  await page.waitForFunction(() => [...document.querySelectorAll('#panel label.check')].some((e) => /-scan-.*\(log\)/.test(e.innerText) && e.querySelector('input').checked));
+  await ready();
 
   // What was written opens again, by the file picker and by a drop, and is written again to the same bytes.
   const status = (pattern) => page.waitForFunction((p) => new RegExp(p).test(document.querySelector('#status').innerText), pattern);

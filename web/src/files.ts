@@ -33,7 +33,8 @@ export class Files {
   constructor(
     readonly list: ServedFile[],
     private readonly viewer: Viewer,
-    private readonly tell: (text: string) => void,
+    /** Tells how far a file is read, in place of a message that begins with `own`. */
+    private readonly tell: (text: string, own: string) => void,
   ) {}
 
   file(id: number): ServedFile {
@@ -70,8 +71,9 @@ export class Files {
   }
 
   private async open(file: ServedFile): Promise<void> {
-    const tell = (done: number) => this.tell(`${file.name}: ${Math.round(100 * done)} %`);
-    tell(0);
+    const own = `${file.name}: `;
+    const tell = (done: number) => this.tell(`${own}${Math.round(100 * done)} %`, own);
+    this.tell(own, '');
     if (file.kind === 'log') {
       const octree = await openOctree(file.id, tell, () => this.preview(file));
       this.origin ??= new Vector3(...octree.facts.origin_m);
@@ -95,7 +97,7 @@ export class Files {
       this.worlds.set(file.id, world);
       this.viewer.addWorld(world);
     }
-    this.tell('');
+    this.tell('', own);
   }
 
   /** Shows a sample of a log, which its octree will replace. */

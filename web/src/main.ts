@@ -22,7 +22,10 @@ import { Workflow } from './workflow';
 const state = stateOf(location.hash);
 const viewer = new Viewer(byId<HTMLCanvasElement>('view'), (picked) => void picking.pick(picked));
 const list = await json<FileList>('files');
-const files = new Files(list.files, viewer, (text) => (byId('status').textContent = text));
+const files = new Files(list.files, viewer, (text, own) => {
+  const status = byId('status');
+  if (status.textContent?.startsWith(own)) status.textContent = text;
+});
 const shown = new Set(state.shown ?? list.files.filter((f) => f.kind !== 'score').slice(0, 2).map((f) => f.id));
 state.edits ??= list.edits ?? null;
 if (state.edits && !state.shown) shown.add(state.edits.file);
