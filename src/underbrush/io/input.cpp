@@ -8,6 +8,7 @@
 #include "underbrush/io/csv_beams.hpp"
 #include "underbrush/io/log_path.hpp"
 #include "underbrush/io/log_rows.hpp"
+#include "underbrush/io/oxts.hpp"
 #include "underbrush/io/ply_header.hpp"
 #include "underbrush/io/poses.hpp"
 #include "underbrush/io/scan_folder.hpp"
