@@ -254,7 +254,7 @@ TEST(Input, DegreesOfKittiRawAreAskedAbout) {
     open_input(folder.path());
     ADD_FAILURE();
   } catch (const FormatError& e) {
-    EXPECT_NE(std::string(e.what()).find("are these degrees?"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("are they in degrees?"), std::string::npos) << e.what();
   }
 }
 

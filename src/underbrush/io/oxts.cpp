@@ -54,9 +54,10 @@ std::array<double, 6> numbers_of(const fs::path& file) {
   }
   const bool degrees =
       v.size() >= 6 && std::equal(kMostDegrees.begin(), kMostDegrees.end(), v.begin(), within);
-  throw FormatError(file.string(), "line 1",
-                    degrees ? "roll, pitch and yaw are radians in KITTI's files: are these degrees?"
-                            : "expected lat lon alt roll pitch yaw …");
+  throw FormatError(
+      file.string(), "line 1",
+      degrees ? "expected lat lon alt roll pitch yaw …, the angles in radians: are they in degrees?"
+              : "expected lat lon alt roll pitch yaw …");
 }
 
 /// The numbers that the names of the files are; empty where one is no number.
