@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from underbrush._core import BeamChecks, LogWriter, RangeUnit, check_outputs, set_threads, version
+from underbrush._core import BeamChecks, LogWriter, RangeUnit, Sensor, check_outputs, set_threads, version
 from underbrush.errors import FormatError, failed
 from underbrush.formats.import_options import parsed
 
@@ -43,6 +43,8 @@ class Progress:
 def opened(options: argparse.Namespace) -> Recording:
     """Opens the recording with the reader of its format."""
     from underbrush.formats import open_recording
+    if options.sensor:
+        Sensor(options.sensor)  # Names the most similar one where there is none.
     return open_recording(options.file, topic=options.topic or None, poses=options.poses, metadata=options.metadata,
                           sensor=options.sensor or None, frame=options.frame or None, clock=options.clock,
                           unit=options.unit, point_times=options.point_times)

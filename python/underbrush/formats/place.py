@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import collections
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -26,10 +26,11 @@ _PACKET_S = 1e-3  # Beams within a millisecond share a packet.
 
 def beams(recording: Recording, *, poses: Poses | PathLike | None = None,
           position: Sequence[float] | None = None, infer: MissInference | None = None,
-          frames: range | None = None) -> Iterator[dict[str, Array]]:
+          frames: range | None = None, check: Callable[[Scan], None] | None = None) -> Iterator[dict[str, Array]]:
     """Beams of all scans of a recording in the world frame, a mapping of columns a scan (see `place`).
 
-    `infer` adds the misses that point clouds lack, and `frames` has the numbers of the scans to read. `poses` (or a
+    `infer` adds the misses that point clouds lack, `frames` has the numbers of the scans to read, and `check` sees the
+    first one that has points. `poses` (or a
     file of them, see `read_poses`, or a topic) take the place of the recording's own; `position` (x y z, world) is the
     place of a sensor that stands still. It is in m, and so are `Poses`, but a position and a file of poses for a survey
     file have its coordinates, in its unit. Without both, the positions of an airborne sensor are estimated from a
@@ -57,6 +58,9 @@ def beams(recording: Recording, *, poses: Poses | PathLike | None = None,
         elif first and known is None and not recording.world and position is None:
             raise OptionMissing(recording.ask_poses() if isinstance(recording, BagRecording) else f"{path}: {NO_POSES}")
         first = False
+        if check is not None and len(scan):
+            check(scan)
+            check = None
         if infer is not None:
             scan = infer.added(scan, recording.skipped)
         columns = place(scan, known, world=recording.world, position=position, skipped=recording.skipped)
