@@ -109,6 +109,23 @@ def test_what_cannot_be_placed_is_counted() -> None:
         place(scan, None)
 
 
+@pytest.mark.parametrize(("moves_m", "lost"), [(0.0, 0), (20.0, 176)])
+def test_beams_in_gaps_of_the_poses_are_counted(moves_m: float, lost: int) -> None:
+    """Odometry of 50 Hz that stops for 1.8 s: where the sensor was is not known, unless it stood."""
+    time_s = np.concatenate([np.arange(0, 1, 0.02), np.arange(2.78, 4, 0.02)])
+    position = np.column_stack([np.where(time_s > 1, moves_m, 0), np.zeros((len(time_s), 2))])
+    poses = Poses(time_s, position, np.tile([0, 0, 0, 1.0], (len(time_s), 1)))
+    beam_time_s = np.arange(0.005, 3.9, 0.01)
+    scan = Scan(0, 0.0, xyz=np.tile([5.0, 0, 0], (len(beam_time_s), 1)), beam_time_s=beam_time_s)
+    skipped: collections.Counter[str] = collections.Counter()
+    back = place(scan, poses, skipped=skipped)
+    assert len(back["range_m"]) + lost == len(beam_time_s)
+    assert dict(skipped) == ({"beams in gaps of the poses": lost} if lost else {})
+    inside = (beam_time_s > 1.0) & (beam_time_s < 2.76)
+    np.testing.assert_allclose(back["time_s"], beam_time_s[~inside] if lost else beam_time_s)
+    assert poses.in_gaps(np.array([-1.0, 0.99, 1.01, 2.75, 2.77, 9])).tolist() == [False, False, *[lost > 0] * 2, False, False]
+
+
 def test_world_coordinates_need_only_the_position() -> None:
     rng = np.random.default_rng(7)
     time = np.sort(rng.uniform(0, 1, 500))

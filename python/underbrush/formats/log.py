@@ -141,7 +141,7 @@ def _scan_infos(library: Any, recording: Recording, poses: Poses | None) -> list
     times = np.array(times_of())
     position, rotation, inside = pose_at(poses, times)
     return [library.ScanInfo(k, float(times[k]), library.Pose(position[k], rotation[k]))
-            for k in np.flatnonzero(inside).tolist()]
+            for k in np.flatnonzero(inside & ~poses.in_gaps(times)).tolist()]
 
 
 def _log(library: Any, info: Any, columns: dict[str, Array]) -> Any:

@@ -18,6 +18,7 @@ from .trajectory import pose_at, read_poses
 
 Floats = npt.NDArray[np.float64]
 
+IN_GAPS = "beams in gaps of the poses"
 _LEAST_RANGE_M = 1e-6  # A shorter range has no direction.
 _NO_TURN = np.array([[0.0, 0.0, 0.0, 1.0]])
 _FARTHEST_M = 30e3  # Aircraft fly up to 20 km above what they survey.
@@ -141,6 +142,10 @@ def place(scan: Scan, poses: Poses | None, *, world: bool = False, position: Seq
     else:
         raise ValueError("neither poses nor a position")
     places, turns, inside = _columns(known[0]), _columns(known[1]), np.ascontiguousarray(known[2])
+    gaps = 0
+    if moves and poses is not None and len(poses.gaps):
+        gap = poses.in_gaps(times)
+        inside, gaps = inside & ~gap, int(np.count_nonzero(gap[group]))
     points, instead, direction, range_m = scan.xyz, None, scan.direction, scan.range_m
     if direction is not None and range_m is not None:
         points = None
@@ -158,7 +163,8 @@ def place(scan: Scan, poses: Poses | None, *, world: bool = False, position: Seq
         None if world else turns, inside, order, _LEAST_RANGE_M)
     if not moves:
         left[1] = 0  # Only flight lines lack positions.
-    for count, reason in zip(left, ("beams outside the times of the poses",
+    left[0] -= gaps
+    for count, reason in zip((gaps, *left), (IN_GAPS, "beams outside the times of the poses",
                                     "points of flight lines whose sensor positions cannot be estimated",
                                     "misses whose direction cannot be found", "points at the sensor itself")):
         if count:
