@@ -285,6 +285,11 @@ class Limits(Cases):
             with self.subTest(words=words):
                 self.run_case(*words, "-o", "OUT/log.ply")
                 self.refused(said, code=code)
+        for words, said in ((("fit", like, "--fiter", "surface"), "did you mean --fitter?"), (("fit", like), "--output is required"),
+                            (("fit", like, "--outptu", "x"), "did you mean --output?"), (("--versoin",), "did you mean --version?")):
+            with self.subTest(words=words):
+                self.run_case(*words)
+                self.refused(said, code=2)
 
 
 class Python(Cases):
