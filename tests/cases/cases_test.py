@@ -261,6 +261,14 @@ class Limits(Cases):
                     self.run_case(*words, "-o", f"OUT/{name}")
                     self.refused("logs are written as .ply", code=2)
                     self.assertFalse((self.out / name).exists())
+        for words, said in ((("perceive", like, "--pipeline", "real"), "lists of objects are written as"),
+                            (("osi", "replay", "views.osi"), "lists of objects are written as"),
+                            (("osi", "record", like), "traces are written as .osi")):
+            for name in ("x.mcap", "x.ply", "x.JSON", "x.txt"):
+                with self.subTest(words=words, name=name):
+                    self.run_case(*words, "-o", f"OUT/{name}")
+                    self.refused(said, code=2)
+                    self.assertFalse((self.out / name).exists())
         self.run_case("split", like, "--every", "2", "--train", "OUT/a.ply", "--test", "OUT/b.pcd")
         self.refused("b.pcd", code=2)
         self.assertEqual(list(self.out.iterdir()), [])
