@@ -10,7 +10,7 @@ import numpy.typing as npt
 import pytest
 from format_data import data, end_points, generated_log, straight_path
 
-from underbrush.formats import FormatError, Poses, Scan, place, read_poses
+from underbrush.formats import FormatError, Poses, Scan, beams, open_recording, place, read_poses
 from underbrush.formats.place import directions_of_misses
 from underbrush.formats.trajectory import (compose, conjugate, from_angles, from_matrices, in_order, multiply, pose_at,
                                            rotate, slerp)
@@ -273,3 +273,20 @@ def test_square_matrices(tmp_path: pathlib.Path) -> None:
     (tmp_path / "p.txt").write_text("9 1 0 0 5 0 1 0 6 0 0 1 7 0 0 0 1\n")
     poses = read_poses(tmp_path / "p.txt")
     assert poses.time_s.tolist() == [9] and poses.position.tolist() == [[5, 6, 7]]
+
+
+def test_a_sensor_that_moves_has_no_single_position(tmp_path: pathlib.Path) -> None:
+    """Its poses and a position cannot both be right; for one station of several the position is taken."""
+    pye57 = pytest.importorskip("pye57", reason="pye57 is not installed: pip install 'underbrush[formats]'")
+    file = pye57.E57(str(tmp_path / "a.e57"), mode="w")
+    for k in range(2):
+        xyz = np.random.default_rng(k).normal(size=(500, 3)) * 5
+        file.write_scan_raw({**{f"cartesian{axis}": xyz[:, n] for n, axis in enumerate("XYZ")}}, name=f"S{k}",
+                            rotation=np.array([1.0, 0, 0, 0]), translation=np.array([20.0 * k, 0, 1.5]))
+    file.close()
+    with pytest.raises(ValueError, match=r"moves by 20.0 m, and --position is for one that stands still"):
+        list(beams(open_recording(tmp_path / "a.e57"), position=[5, 5, 2]))
+    back = list(beams(open_recording(tmp_path / "a.e57", topic="S1"), position=[5, 5, 2]))
+    assert len(back) == 1 and (back[0]["origin"] == [5, 5, 2]).all()
+    with pytest.raises(FormatError, match=r"^[^:]*a.e57: header: no station 'S9': 0 S0, 1 S1$"):
+        open_recording(tmp_path / "a.e57", topic="S9")

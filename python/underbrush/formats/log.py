@@ -76,8 +76,9 @@ def beams_of_recording(recording: Recording, *, poses: Poses | PathLike | None =
 
     `poses`, `position`, `infer` and `frames` are as for `beams`; `sensor` is a name of the catalogue or a file, by
     default that of the inferred misses, else the recording's. Of the beams, those are kept whose column `keep[0]` has
-    the value `keep[1]`. The first scan is checked against a spinning sensor that is given. The scans' poses stand at the head of a log: a ROS recording is read twice, the first time
-    without its points. Raises what `beams` raises.
+    the value `keep[1]`. The first scan is checked against a spinning sensor that is given. The scans' poses stand at
+    the head of a log, but for a sensor at a `position`: a ROS recording is read twice, the first time without its
+    points. Raises what `beams` raises.
     """
     library: Any = importlib.import_module("underbrush")
     known = poses_of(recording, poses)
@@ -86,8 +87,9 @@ def beams_of_recording(recording: Recording, *, poses: Poses | PathLike | None =
     if name:
         found = library.Sensor(name)
         limits = {"min_range_m": found.min_range_m, "max_range_m": found.max_range_m}
+    path = known if position is None else None
     info = library.LogInfo(sensor=name, has_misses=recording.organised or infer is not None, deskewed=True,
-                           scans=[one for one in _scan_infos(library, recording, known)
+                           scans=[one for one in _scan_infos(library, recording, path)
                                   if frames is None or one.scan in frames], **limits)
     if name and pathlib.Path(name).is_file():
         info.sensor, info.sensor_file = found.name, pathlib.Path(name).read_text(encoding="utf-8")

@@ -21,6 +21,7 @@ Floats = npt.NDArray[np.float64]
 IN_GAPS = "beams in gaps of the poses"
 _LEAST_RANGE_M = 1e-6  # A shorter range has no direction.
 _NO_TURN = np.array([[0.0, 0.0, 0.0, 1.0]])
+_STILL_M = 1.0
 _FARTHEST_M = 30e3  # Aircraft fly up to 20 km above what they survey.
 _PACKET_S = 1e-3  # Beams within a millisecond share a packet.
 
@@ -41,6 +42,7 @@ def beams(recording: Recording, *, poses: Poses | PathLike | None = None,
     path = getattr(recording, "path", "recording")
     known = poses_of(recording, poses, estimated=position is None)
     if position is not None:
+        _check_still(path, getattr(recording, "used_poses", lambda: known)())
         position = np.asarray(position, np.float64) * getattr(recording, "unit_m", 1.0)
     first = True
     if frames is not None and not getattr(recording, "numbered", False):
@@ -66,6 +68,16 @@ def beams(recording: Recording, *, poses: Poses | PathLike | None = None,
             scan = infer.added(scan, recording.skipped)
         columns = place(scan, known, world=recording.world, position=position, skipped=recording.skipped)
         yield _near(path, columns, position is not None, recording.skipped) if recording.world else columns
+
+
+def _check_still(path: PathLike, known: Poses | None) -> None:
+    """Raises `ValueError` where a sensor moves by its poses, so that it has no single position."""
+    if known is None or not len(known.time_s):
+        return
+    moved_m = float(np.linalg.norm(known.position - known.position[0], axis=1).max())
+    if moved_m > _STILL_M:
+        raise ValueError(f"{path}: by its poses the sensor moves by {moved_m:.1f} m, and --position is for one that "
+                         "stands still: leave it out, or read one station of an E57 with --topic")
 
 
 def _near(path: PathLike, columns: dict[str, Array], still: bool, skipped: collections.Counter[str]
