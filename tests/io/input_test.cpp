@@ -179,6 +179,11 @@ TEST(Input, OdometryPosesMoveToTheVelodyneAndLabelsStay) {
   EXPECT_EQ(std::get<std::vector<uint16_t>>(scan.extra.at("instance"))[2], 9);
   put_bytes(folder / "labels" / "000001.label", labels.substr(4));
   EXPECT_THROW(input.scans->read(1), FormatError);
+  InputOptions options;
+  options.poses = folder / "poses.txt";
+  const std::vector<std::string> notes = open_input(folder.path(), options).notes;
+  EXPECT_TRUE(std::ranges::any_of(
+      notes, [](const std::string& note) { return note.find("--format kitti") != note.npos; }));
 }
 
 TEST(Input, KittiRawTakesOxtsPoses) {
