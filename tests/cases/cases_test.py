@@ -338,6 +338,11 @@ class Python(Cases):
     def test_mcap_crashed(self):
         self.run_case("import", "crashed.mcap", "-o", "OUT/log.ply")
         self.assertGreater(len(self.rows("was not closed", "8 whole messages")), 100)
+        with tempfile.TemporaryDirectory() as folder:
+            cut = pathlib.Path(folder, "cut.mcap")
+            cut.write_bytes((self.folder / "crashed.mcap").read_bytes()[:12000])
+            self.run_case("import", str(cut), "-o", "OUT/log.ply")
+            self.refused("no topic with point clouds", "the recording was not closed")
 
     def test_overwrites(self):
         notes = HERE / "overwrites/notes.txt"
