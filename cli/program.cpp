@@ -126,7 +126,9 @@ int Program::outcome(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app_.exit(e);  // --help, --version
     std::string line;
-    if (e.get_exit_code() == int(CLI::ExitCodes::ExtrasError)) line = unknown_option();
+    const int code = e.get_exit_code();
+    const bool missing = code == int(CLI::ExitCodes::RequiredError);  // It may be misspelt.
+    if (missing || code == int(CLI::ExitCodes::ExtrasError)) line = unknown_option();
     if (line.empty()) line = e.what();
     line.erase(line.find_last_not_of('\n') + 1);
     // An option without an upper bound would print the largest number, 309 digits long.

@@ -47,6 +47,7 @@ void check_outputs_of(const Arguments& a) {
   for (const std::string& path : {a.output, a.write_truth, a.grid}) {
     if (!path.empty()) io::check_output(path);
   }
+  for (const std::string& path : {a.output, a.write_truth}) osi::check_list_name(path);
   require(a.write_truth.empty() || !a.options.truth.empty(),
           "perceive: --write-truth needs --truth");
   require(a.report.empty() || !a.options.truth.empty(), "perceive: --report needs --truth");

@@ -1,5 +1,6 @@
 /// \file
 /// The verbs `import`, `split` and `perceive`.
+#include <nanobind/ndarray.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
@@ -17,6 +18,7 @@
 #include "underbrush/osi/list_file.hpp"
 #include "underbrush/pipeline/beam_checks.hpp"
 #include "underbrush/pipeline/reports_json.inl"
+#include "underbrush/pipeline/sensor_checks.hpp"
 #include "underbrush/pipeline/split_log.hpp"
 #include "watched.hpp"
 
@@ -164,6 +166,19 @@ void bind_perceive(nb::module_& m) {
       "`ValueError`, `OSError`.");
 }
 
+using Points = nb::ndarray<const float, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+using Rings = nb::ndarray<const uint16_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+void check_sensor(const std::string& source, const sensor::Sensor& known, const Points& point,
+                  const std::optional<Rings>& ring) {
+  PointScan scan;
+  for (size_t i = 0; i < point.shape(0); ++i) {
+    scan.point.emplace_back(point(i, 0), point(i, 1), point(i, 2));
+  }
+  if (ring) scan.ring.assign(ring->data(), ring->data() + ring->shape(0));
+  pipeline::check_sensor_of(source, "--sensor", scan, known);
+}
+
 }  // namespace
 
 void bind_log_verbs(nb::module_& m) {
@@ -177,6 +192,10 @@ void bind_log_verbs(nb::module_& m) {
       .def("add", &pipeline::BeamChecks::add, "beams"_a, "Takes the next beams of a log.")
       .def("warnings", &pipeline::BeamChecks::warnings, nb::call_guard<nb::gil_scoped_release>(),
            "Returns what does not fit in the first scans, each with its likely cause.");
+  m.def(
+      "check_sensor", &check_sensor, "source"_a, "sensor"_a, "point"_a, "ring"_a.none(),
+      "Raises `FormatError` where a scan cannot come from a sensor by its rings, elevations and\n"
+      "ranges: points (n, 3) m in the sensor's frame, and their rings (n,) where they are known.");
   nb::class_<RangeUnit>(m, "RangeUnit", "Whether the ranges of a log are in metres.")
       .def(nb::init<>())
       .def("add", &RangeUnit::add, "beams"_a,

@@ -30,13 +30,15 @@ LIDAR = Poses(np.linspace(-0.1, 0.6, 36) + START_S,
               from_angles(np.zeros(36), np.zeros(36), np.linspace(0, 0.4, 36)))
 BASE = compose(LIDAR, Poses(np.zeros(1), -ARM[None, :], np.array([[0.0, 0, 0, 1]])))
 OFFSETS = np.linspace(0, 0.099, POINTS)
+POSTS = np.concatenate([LANDMARKS * [1, 1, 0] + [0, 0, z] for z in np.arange(0, 5, 0.2)])
 Fields = Callable[[npt.NDArray[np.float64]], Mapping[str, npt.NDArray[Any]]]
 Sends = Callable[[Bag, float, npt.NDArray[np.float64], npt.NDArray[np.float64]], None]
 
 
 def drive(path: pathlib.Path, send: Sends, poses: Poses = LIDAR, fields: Fields | None = None, frame: str = "velodyne",
-          arm: bool = False, registered: bool = False) -> BagRecording:
-    """Writes clouds of the landmarks as a moving lidar measures them, with times, and poses; and opens it."""
+          arm: bool = False, registered: bool = False, landmarks: npt.NDArray[np.float64] = LANDMARKS) -> BagRecording:
+    """Writes clouds of landmarks as a moving lidar measures them, with times, and poses; and opens it."""
+    points, offsets = len(landmarks), np.linspace(0, 0.099, len(landmarks))
     with bag(path, "ros1") as out:
         if arm:
             out.transform("/tf_static", START_S - 0.1, "base_link", "velodyne", ARM, [0, 0, 0, 1])
@@ -44,12 +46,12 @@ def drive(path: pathlib.Path, send: Sends, poses: Poses = LIDAR, fields: Fields 
             send(out, time, position, rotation)
         for k in range(SCANS):
             stamp = START_S + 0.1 * k
-            position, rotation, _ = pose_at(LIDAR, stamp + OFFSETS)
-            xyz = LANDMARKS if registered else rotate(conjugate(rotation), LANDMARKS - position)
-            columns = {**dict(zip("xyz", xyz.T.astype(np.float32))), "intensity": np.arange(POINTS, dtype=np.float32),
-                       "ring": np.arange(POINTS, dtype=np.uint16) % 16}
-            columns.update({"time": OFFSETS.astype(np.float32)} if fields is None else fields(stamp + OFFSETS))
-            table = np.zeros(POINTS, [(name, "<" + column.dtype.str[1:]) for name, column in columns.items()])
+            position, rotation, _ = pose_at(LIDAR, stamp + offsets)
+            xyz = landmarks if registered else rotate(conjugate(rotation), landmarks - position)
+            columns = {**dict(zip("xyz", xyz.T.astype(np.float32))), "intensity": np.arange(points, dtype=np.float32),
+                       "ring": np.arange(points, dtype=np.uint16) % 16}
+            columns.update({"time": offsets.astype(np.float32)} if fields is None else fields(stamp + offsets))
+            table = np.zeros(points, [(name, "<" + column.dtype.str[1:]) for name, column in columns.items()])
             for name, column in columns.items():
                 table[name] = column
             out.cloud("/points", stamp, table, frame)
@@ -252,7 +254,7 @@ def identity(poses: Poses) -> npt.NDArray[np.float64]:
     (lambda p: Poses(p.time_s, -rotate(conjugate(p.rotation), p.position), conjugate(p.rotation)), "inverted")])
 def test_poses_of_bags_are_checked(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str],
                                    wrong: Callable[[Poses], Poses], cause: str) -> None:
-    drive(tmp_path / "d.bag", tf("odom", "velodyne"), wrong(LIDAR))
+    drive(tmp_path / "d.bag", tf("odom", "velodyne"), wrong(LIDAR), landmarks=POSTS)
     assert run([str(tmp_path / "d.bag"), "-o", str(tmp_path / "log.ply")]) == 0
     warned = capsys.readouterr().err.splitlines()
     assert len(warned) == (1 if cause else 0)

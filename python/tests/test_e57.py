@@ -82,7 +82,7 @@ def test_one_station_by_number_or_name(tmp_path: pathlib.Path, name: str) -> Non
     assert len(back) == 1 and set(back[0]["station"]) == {1}
     np.testing.assert_allclose(end_points(back[0]), points[1] + [10, 0, 0], atol=1e-4)
     assert set(next(beams(open_recording(tmp_path / "named.e57", topic="0")))["station"]) == {2}  # Names come first.
-    with pytest.raises(ValueError, match="named.e57: no station 'C': 0 A, 1 Station B, 2 0"):
+    with pytest.raises(ValueError, match="named.e57: header: no station 'C': 0 A, 1 Station B, 2 0"):
         open_recording(tmp_path / "named.e57", topic="C")
 
 

@@ -117,8 +117,10 @@ def test_wrong_usage_is_one_line(drive: pathlib.Path, capsys: pytest.CaptureFixt
     assert ended.value.code == 2 and said.count("\n") == 1 and said.startswith("underbrush: ") and reason in said
 
 
-def test_a_place_may_begin_with_a_minus(drive: pathlib.Path) -> None:
-    log = imported(drive, "--position", "-5,2,-0.5")
+def test_a_place_may_begin_with_a_minus(tmp_path: pathlib.Path) -> None:
+    with bag(tmp_path / "still") as out:
+        out.cloud("/points", 100, some_points())
+    log = imported(tmp_path / "still", "--position", "-5,2,-0.5")
     np.testing.assert_array_equal(np.unique(log.origin, axis=0), [[-5, 2, -0.5]])
 
 

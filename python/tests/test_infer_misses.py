@@ -92,6 +92,17 @@ def test_the_beams_without_returns_are_found(tmp_path: pathlib.Path, timed: bool
         np.testing.assert_allclose(origin[:, 0], 10 * (log.time_s[log.scan == scan] - 100), atol=1e-4)
 
 
+def test_misses_outside_the_times_of_the_poses_do_not_count(tmp_path: pathlib.Path) -> None:
+    write_bag(tmp_path / "bag", True, True)
+    (tmp_path / "poses.txt").write_text("100 0 0 0 0 0 0 1\n100.25 2.5 0 0 0 0 0 1\n")
+    words = [str(tmp_path / "bag"), "--infer-misses", "velodyne-vlp16", "--poses", str(tmp_path / "poses.txt"), "-o",
+             str(tmp_path / "log.ply"), "--json", str(tmp_path / "counts.json")]
+    assert run(words) == 0
+    counts, log = json.loads((tmp_path / "counts.json").read_text()), underbrush.read_log(tmp_path / "log.ply")
+    assert "beams outside the times of the poses" in counts["skipped"]
+    assert counts["misses_inferred"] == counts["misses"] == np.isinf(log.range_m).sum()
+
+
 @pytest.mark.parametrize("number", [lambda ring: 0 * ring, lambda ring: ring + 1, lambda ring: 15 - ring])
 def test_rings_with_other_numbers_have_the_same_misses(tmp_path: pathlib.Path,
                                                        number: Callable[[np.ndarray], np.ndarray]) -> None:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 import pytest
 from format_data import data, end_points, generated_log, straight_path
 
-from underbrush.formats import FormatError, Poses, Scan, place, read_poses
+from underbrush.formats import FormatError, Poses, Scan, beams, open_recording, place, read_poses
 from underbrush.formats.place import directions_of_misses
 from underbrush.formats.trajectory import (compose, conjugate, from_angles, from_matrices, in_order, multiply, pose_at,
                                            rotate, slerp)
@@ -107,6 +107,23 @@ def test_what_cannot_be_placed_is_counted() -> None:
     assert skipped["beams outside the times of the poses"] > 0
     with pytest.raises(ValueError, match="neither poses nor a position"):
         place(scan, None)
+
+
+@pytest.mark.parametrize(("moves_m", "lost"), [(0.0, 0), (20.0, 176)])
+def test_beams_in_gaps_of_the_poses_are_counted(moves_m: float, lost: int) -> None:
+    """Odometry of 50 Hz that stops for 1.8 s: where the sensor was is not known, unless it stood."""
+    time_s = np.concatenate([np.arange(0, 1, 0.02), np.arange(2.78, 4, 0.02)])
+    position = np.column_stack([np.where(time_s > 1, moves_m, 0), np.zeros((len(time_s), 2))])
+    poses = Poses(time_s, position, np.tile([0, 0, 0, 1.0], (len(time_s), 1)))
+    beam_time_s = np.arange(0.005, 3.9, 0.01)
+    scan = Scan(0, 0.0, xyz=np.tile([5.0, 0, 0], (len(beam_time_s), 1)), beam_time_s=beam_time_s)
+    skipped: collections.Counter[str] = collections.Counter()
+    back = place(scan, poses, skipped=skipped)
+    assert len(back["range_m"]) + lost == len(beam_time_s)
+    assert dict(skipped) == ({"beams in gaps of the poses": lost} if lost else {})
+    inside = (beam_time_s > 1.0) & (beam_time_s < 2.76)
+    np.testing.assert_allclose(back["time_s"], beam_time_s[~inside] if lost else beam_time_s)
+    assert poses.in_gaps(np.array([-1.0, 0.99, 1.01, 2.75, 2.77, 9])).tolist() == [False, False, *[lost > 0] * 2, False, False]
 
 
 def test_world_coordinates_need_only_the_position() -> None:
@@ -256,3 +273,20 @@ def test_square_matrices(tmp_path: pathlib.Path) -> None:
     (tmp_path / "p.txt").write_text("9 1 0 0 5 0 1 0 6 0 0 1 7 0 0 0 1\n")
     poses = read_poses(tmp_path / "p.txt")
     assert poses.time_s.tolist() == [9] and poses.position.tolist() == [[5, 6, 7]]
+
+
+def test_a_sensor_that_moves_has_no_single_position(tmp_path: pathlib.Path) -> None:
+    """Its poses and a position cannot both be right; for one station of several the position is taken."""
+    pye57 = pytest.importorskip("pye57", reason="pye57 is not installed: pip install 'underbrush[formats]'")
+    file = pye57.E57(str(tmp_path / "a.e57"), mode="w")
+    for k in range(2):
+        xyz = np.random.default_rng(k).normal(size=(500, 3)) * 5
+        file.write_scan_raw({**{f"cartesian{axis}": xyz[:, n] for n, axis in enumerate("XYZ")}}, name=f"S{k}",
+                            rotation=np.array([1.0, 0, 0, 0]), translation=np.array([20.0 * k, 0, 1.5]))
+    file.close()
+    with pytest.raises(ValueError, match=r"moves by 20.0 m, and --position is for one that stands still"):
+        list(beams(open_recording(tmp_path / "a.e57"), position=[5, 5, 2]))
+    back = list(beams(open_recording(tmp_path / "a.e57", topic="S1"), position=[5, 5, 2]))
+    assert len(back) == 1 and (back[0]["origin"] == [5, 5, 2]).all()
+    with pytest.raises(FormatError, match=r"^[^:]*a.e57: header: no station 'S9': 0 S0, 1 S1$"):
+        open_recording(tmp_path / "a.e57", topic="S9")

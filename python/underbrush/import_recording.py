@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from underbrush._core import BeamChecks, LogWriter, RangeUnit, check_outputs, set_threads, version
+from underbrush._core import BeamChecks, LogWriter, RangeUnit, Sensor, check_outputs, set_threads, version
 from underbrush.errors import FormatError, failed
 from underbrush.formats.import_options import parsed
 
@@ -43,6 +43,8 @@ class Progress:
 def opened(options: argparse.Namespace) -> Recording:
     """Opens the recording with the reader of its format."""
     from underbrush.formats import open_recording
+    if options.sensor:
+        Sensor(options.sensor)  # Names the most similar one where there is none.
     return open_recording(options.file, topic=options.topic or None, poses=options.poses, metadata=options.metadata,
                           sensor=options.sensor or None, frame=options.frame or None, clock=options.clock,
                           unit=options.unit, point_times=options.point_times)
@@ -50,9 +52,10 @@ def opened(options: argparse.Namespace) -> Recording:
 
 def write(options: argparse.Namespace, recording: Recording, provenance: str) -> dict[str, object]:
     """Writes the log in chunks and returns its counts."""
+    from underbrush.formats.infer_misses import INFERRED
     from underbrush.formats.log import beams_of_recording, inference_of
     progress = Progress(recording.bytes_total)
-    rows = hits = 0
+    rows = hits = inferred = 0
     start = time.monotonic()
     if options.unknown_below_deg is not None and not options.infer_misses:
         raise ValueError("import: --unknown-below-deg needs --infer-misses")
@@ -75,6 +78,7 @@ def write(options: argparse.Namespace, recording: Recording, provenance: str) ->
                 unit.add(chunk)
             rows += len(chunk)
             hits += int((chunk.range_m < float("inf")).sum())
+            inferred += int((chunk.flags & INFERRED).sum()) if infer else 0
             progress(recording.bytes_done, rows)
         if rows == 0:
             raise FormatError(options.file, "", nothing_in(recording, options.clock))
@@ -84,7 +88,7 @@ def write(options: argparse.Namespace, recording: Recording, provenance: str) ->
     if rows == hits:
         notes.append("the log has no misses: hit probabilities cannot be learnt from it" + (
             f" (see --infer-misses {recording.sensor or 'SENSOR'})" if hasattr(recording, "scan_times") else ""))
-    return {"rows": rows, "hits": hits, "misses": rows - hits, "misses_inferred": infer.inferred if infer else 0,
+    return {"rows": rows, "hits": hits, "misses": rows - hits, "misses_inferred": inferred,
             "unknown": infer.unknown if infer else 0, "skipped": dict(recording.skipped), "seconds": seconds,
             "points_per_s": rows / max(seconds, 1e-9), "notes": notes, "warnings": checks.warnings() + ([unit.warning()] if unit.warning() else [])}
 

@@ -261,6 +261,14 @@ class Limits(Cases):
                     self.run_case(*words, "-o", f"OUT/{name}")
                     self.refused("logs are written as .ply", code=2)
                     self.assertFalse((self.out / name).exists())
+        for words, said in ((("perceive", like, "--pipeline", "real"), "lists of objects are written as"),
+                            (("osi", "replay", "views.osi"), "lists of objects are written as"),
+                            (("osi", "record", like), "traces are written as .osi")):
+            for name in ("x.mcap", "x.ply", "x.JSON", "x.txt"):
+                with self.subTest(words=words, name=name):
+                    self.run_case(*words, "-o", f"OUT/{name}")
+                    self.refused(said, code=2)
+                    self.assertFalse((self.out / name).exists())
         self.run_case("split", like, "--every", "2", "--train", "OUT/a.ply", "--test", "OUT/b.pcd")
         self.refused("b.pcd", code=2)
         self.assertEqual(list(self.out.iterdir()), [])
@@ -285,6 +293,11 @@ class Limits(Cases):
             with self.subTest(words=words):
                 self.run_case(*words, "-o", "OUT/log.ply")
                 self.refused(said, code=code)
+        for words, said in ((("fit", like, "--fiter", "surface"), "did you mean --fitter?"), (("fit", like), "--output is required"),
+                            (("fit", like, "--outptu", "x"), "did you mean --output?"), (("--versoin",), "did you mean --version?")):
+            with self.subTest(words=words):
+                self.run_case(*words)
+                self.refused(said, code=2)
 
 
 class Python(Cases):
@@ -325,6 +338,11 @@ class Python(Cases):
     def test_mcap_crashed(self):
         self.run_case("import", "crashed.mcap", "-o", "OUT/log.ply")
         self.assertGreater(len(self.rows("was not closed", "8 whole messages")), 100)
+        with tempfile.TemporaryDirectory() as folder:
+            cut = pathlib.Path(folder, "cut.mcap")
+            cut.write_bytes((self.folder / "crashed.mcap").read_bytes()[:12000])
+            self.run_case("import", str(cut), "-o", "OUT/log.ply")
+            self.refused("no topic with point clouds", "the recording was not closed")
 
     def test_overwrites(self):
         notes = HERE / "overwrites/notes.txt"

@@ -82,6 +82,42 @@ class Warnings(cli_test.Failing):
         (self.folder / "still.txt").write_text("1 0 0 0 0 1 0 0 0 0 1 0\n" * 10)
         self.assertEqual(self.call("import", ".", "--poses", "still.txt", "-o", "log.ply").stderr, "")
 
+    def write_hall(self, elevations, step_deg):
+        """Two scans, 0.6 m apart, of a sensor 1.8 m above the floor of an empty hall of 24 by 18 by 3.5 m."""
+        (self.folder / "velodyne").mkdir(exist_ok=True)
+        for k in range(5):
+            points = []
+            for azimuth in range(0, 3600, int(10 * step_deg)):
+                for elevation in elevations:
+                    a, e = math.radians(azimuth / 10), math.radians(elevation)
+                    d = math.cos(e) * math.cos(a), math.cos(e) * math.sin(a), math.sin(e)
+                    walls = zip(d, (0.6 * k, 0, 1.8), ((-12, 12), (-9, 9), (0, 3.5)))
+                    r = min((wall[c > 0] - o) / c for c, o, wall in walls if abs(c) > 1e-9)
+                    points.append((*(r * c for c in d), 0.5))
+            (self.folder / f"velodyne/{k:06}.bin").write_bytes(b"".join(struct.pack("<4f", *p) for p in points))
+        (self.folder / "poses.txt").write_text("".join(f"1 0 0 {0.6 * k} 0 1 0 0 0 0 1 0\n" for k in range(5)))
+
+    def test_circles_on_a_flat_ceiling_show_no_motion(self):
+        """They lie where the ones before do if the sensor stands, which is not how it moves; few points tell nothing."""
+        for elevations, step_deg in ((range(-15, 16, 2), 0.4), (range(-30, 31, 2), 0.4), (range(-15, 16, 2), 12)):
+            with self.subTest(elevations=elevations, step_deg=step_deg):
+                self.write_hall(elevations, step_deg)
+                self.assertEqual(self.call("import", ".", "--poses", "poses.txt", "-o", "log.ply").stderr, "")
+
+    def test_the_last_ring_on_flat_ground_is_no_maximum_range(self):
+        """Its points have one range and elevation; those of beams without a return have one range only."""
+        for elevations, said in (((-15, -10, -5), ""), ((-15, -10, -5, 0, 5), "beams without a return?")):
+            points = []
+            for k in range(900):
+                for elevation in elevations:
+                    a, e = math.radians(0.4 * k), math.radians(elevation)
+                    r = min(30, -1.8 / math.sin(e) if e < 0 else 30)
+                    points.append((r * math.cos(e) * math.cos(a), r * math.cos(e) * math.sin(a), r * math.sin(e), 0.5))
+            (self.folder / "scan.bin").write_bytes(b"".join(struct.pack("<4f", *p) for p in points))
+            stderr = self.call("import", "scan.bin", "--columns", "x,y,z,intensity", "-o", "log.ply").stderr
+            self.assertEqual(stderr.count("\n"), len(said) > 0, stderr)
+            self.assertIn(said, stderr)
+
     def test_a_slow_sensor_whose_poses_are_all_the_same(self):
         """At 0.6 m/s a scan shows motion against one that is many scans earlier."""
         self.write_drive(turn=0, bend=0, step=0.06, scans=40)

@@ -179,6 +179,11 @@ TEST(Input, OdometryPosesMoveToTheVelodyneAndLabelsStay) {
   EXPECT_EQ(std::get<std::vector<uint16_t>>(scan.extra.at("instance"))[2], 9);
   put_bytes(folder / "labels" / "000001.label", labels.substr(4));
   EXPECT_THROW(input.scans->read(1), FormatError);
+  InputOptions options;
+  options.poses = folder / "poses.txt";
+  const std::vector<std::string> notes = open_input(folder.path(), options).notes;
+  EXPECT_TRUE(std::ranges::any_of(
+      notes, [](const std::string& note) { return note.find("--format kitti") != note.npos; }));
 }
 
 TEST(Input, KittiRawTakesOxtsPoses) {
@@ -204,6 +209,57 @@ TEST(Input, KittiRawTakesOxtsPoses) {
        {"49.0 1e308 0 0 0 0", "49 8 1e308 0 0 0", "49 8 0 0 0 1e300", "49 8"}) {
     put_bytes(folder / "d" / "oxts" / "data" / "0000000001.txt", numbers);
     EXPECT_THROW(open_input(folder / "d"), FormatError) << numbers;
+  }
+}
+
+/// Makes a KITTI raw drive of scans 0 and 2, whose INS is 1 m higher each frame.
+void put_drive_without_scan_1(const TemporaryFolder& folder) {
+  put_scans(folder / "velodyne_points" / "data", {"0000000000.bin", "0000000002.bin"});
+  for (int k = 0; k < 3; ++k) {
+    put_bytes(folder / "oxts" / "data" / ("000000000" + std::to_string(k) + ".txt"),
+              "49.0 8.4 " + std::to_string(k) + " 0 0 0\n");
+  }
+}
+
+TEST(Input, ABlankLineOfKittiRawTimesIsAMissingScan) {
+  const TemporaryFolder folder;
+  put_drive_without_scan_1(folder);
+  put_bytes(folder / "velodyne_points" / "timestamps.txt",
+            "2011-09-26 13:02:25.9\n\n2011-09-26 13:02:26.1\n");
+  put_bytes(folder / "oxts" / "timestamps.txt",
+            "2011-09-26 13:02:25.9\n2011-09-26 13:02:26.0\n2011-09-26 13:02:26.1\n");
+  const ScanInfo last = open_input(folder.path()).scans->read(1).info;
+  EXPECT_NEAR(last.world_from_sensor.translation.z(), 2, 1e-6);
+  put_bytes(folder / "velodyne_points" / "timestamps.txt", "\n2011-09-26 13:02:26.1\n");
+  EXPECT_THROW(open_input(folder.path()), FormatError);
+}
+
+TEST(Input, KittiRawPosesHaveTheNumbersOfTheirFiles) {
+  const TemporaryFolder folder;
+  put_drive_without_scan_1(folder);
+  EXPECT_NEAR(open_input(folder.path()).scans->read(1).info.world_from_sensor.translation.z(), 2,
+              1e-9);
+  std::filesystem::remove(folder / "oxts" / "data" / "0000000001.txt");
+  put_bytes(folder / "oxts" / "data" / "0000000003.txt", "49.0 8.4 3 0 0 0\n");
+  EXPECT_THROW(open_input(folder.path()), FormatError);  // the second file is no pose of scan 1
+  const std::string dates =
+      "2011-09-26 13:02:25.9\n2011-09-26 13:02:26.0\n2011-09-26 13:02:26.1\n"
+      "2011-09-26 13:02:26.2\n";
+  put_bytes(folder / "velodyne_points" / "timestamps.txt", dates);
+  put_bytes(folder / "oxts" / "timestamps.txt", dates);
+  EXPECT_NEAR(open_input(folder.path()).scans->read(1).info.world_from_sensor.translation.z(), 2,
+              1e-6);
+}
+
+TEST(Input, DegreesOfKittiRawAreAskedAbout) {
+  const TemporaryFolder folder;
+  put_drive_without_scan_1(folder);
+  put_bytes(folder / "oxts" / "data" / "0000000002.txt", "49.0 8.4 2 1.5 0.5 20\n");
+  try {
+    open_input(folder.path());
+    ADD_FAILURE();
+  } catch (const FormatError& e) {
+    EXPECT_NE(std::string(e.what()).find("are they in degrees?"), std::string::npos) << e.what();
   }
 }
 

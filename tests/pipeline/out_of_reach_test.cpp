@@ -70,6 +70,22 @@ TEST(OutOfReach, WorldsInMillimetresAreLarge) {
   EXPECT_EQ(larger_than_life(Bounds()), "");
 }
 
+TEST(OutOfReach, WorldsWhoseYAxisPointsUpLieOnTheirSide) {
+  const auto world = [](double x, double y, double z) {
+    Bounds box;
+    box.add(Vec3(0, 0, 0));
+    box.add(Vec3(x, y, z));
+    return box;
+  };
+  EXPECT_NE(larger_than_life(world(200, 20, 200)).find("--up y"), std::string::npos);
+  EXPECT_NE(larger_than_life(world(800, 6, 800)).find("--up y"), std::string::npos);
+  EXPECT_EQ(larger_than_life(world(200, 200, 20)), "");
+  EXPECT_EQ(larger_than_life(world(200, 30, 20)), "");  // a road
+  EXPECT_EQ(larger_than_life(world(100, 1, 20)), "");   // a front of a house
+  const Bounds sensor = at({5, 10, 1}, {5, 10, 1});
+  EXPECT_NE(why_nothing_is_hit(sensor, world(200, 20, 200), 100).find("--up y"), std::string::npos);
+}
+
 TEST(OutOfReach, TrajectoriesInOtherUnitsAndOrders) {
   const auto warned = [](double step_m, const Eigen::Quaterniond& turn) {
     std::vector<StampedPose> poses(5);

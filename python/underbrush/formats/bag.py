@@ -85,7 +85,9 @@ class BagRecording:
         self.skipped.clear()  # What was counted while peeking is counted again.
         if not clouds:
             raise FormatError(path, "", "no topic with point clouds (sensor_msgs/PointCloud2, Livox CustomMsg)"
-                              + self._messages.no_packets())
+                              + self._messages.no_packets() + (
+                                  f"; the recording was not closed, and has {self._messages.recovered} whole messages"
+                                  if self._messages.recovered else ""))
         if topic is not None and topic not in clouds:
             raise ValueError(f"{path}: no point clouds in {topic}: {', '.join([*clouds, *packets])}")
         self.topic = topic if topic is not None else clouds[0] if len(clouds) == 1 else None

@@ -99,7 +99,7 @@ class E57Recording:
         numbers = [k for k, title in enumerate(titles) if station in (None, title)] or [
             k for k in range(len(titles)) if station == str(k)]
         if not numbers:
-            raise ValueError(f"{self.path}: no station '{station}': " + ", ".join(
+            raise ValueError(f"no station '{station}': " + ", ".join(
                 f"{k} {title}".strip() for k, title in enumerate(titles[:20])) + (", …" if len(titles) > 20 else ""))
         self.organised = any("InvalidState" in name for k in numbers for name in self._stations[k][1])
         return numbers
@@ -107,6 +107,13 @@ class E57Recording:
     def pose_times(self) -> np.ndarray[Any, np.dtype[np.float64]]:
         """The numbers of the stations, which are their times."""
         return np.arange(len(self._stations), dtype=np.float64)
+
+    def used_poses(self) -> Poses | None:
+        """The poses of the stations that are read."""
+        if self.poses is None or len(self.poses.time_s) != len(self._stations):
+            return self.poses
+        rows = self._chosen
+        return Poses(self.poses.time_s[rows], self.poses.position[rows], self.poses.rotation[rows])
 
     def _take_for_world(self, file: Any) -> None:
         """Points far away but close together have coordinates of the world. Of the pose, only the position then counts,

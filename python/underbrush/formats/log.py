@@ -1,6 +1,7 @@
 """Between recordings and the library's logs, `underbrush.LogInfo` and `underbrush.BeamLog`."""
 from __future__ import annotations
 
+import functools
 import importlib
 import os
 import pathlib
@@ -15,7 +16,7 @@ from .bag import BagRecording
 from .infer_misses import MissInference
 from .numpy_log import NumpyLogWriter
 from .place import beams, poses_of
-from .scans import Poses, Recording
+from .scans import Poses, Recording, Scan
 from .trajectory import beyond_ends, in_order, pose_at, read_poses
 from .write_bag import BagWriter
 from .write_las import LasWriter
@@ -75,23 +76,38 @@ def beams_of_recording(recording: Recording, *, poses: Poses | PathLike | None =
 
     `poses`, `position`, `infer` and `frames` are as for `beams`; `sensor` is a name of the catalogue or a file, by
     default that of the inferred misses, else the recording's. Of the beams, those are kept whose column `keep[0]` has
-    the value `keep[1]`. The scans' poses stand at the head of a log: a ROS recording is read twice, the first time
-    without its points. Raises what `beams` raises.
+    the value `keep[1]`. The first scan is checked against a spinning sensor that is given. The scans' poses stand at
+    the head of a log, but for a sensor at a `position`: a ROS recording is read twice, the first time without its
+    points. Raises what `beams` raises.
     """
     library: Any = importlib.import_module("underbrush")
     known = poses_of(recording, poses)
     name = sensor or (infer.sensor if infer is not None else recording.sensor)
-    limits = {}
+    limits, found = {}, None
     if name:
         found = library.Sensor(name)
         limits = {"min_range_m": found.min_range_m, "max_range_m": found.max_range_m}
+    path = known if position is None else None
     info = library.LogInfo(sensor=name, has_misses=recording.organised or infer is not None, deskewed=True,
-                           scans=[one for one in _scan_infos(library, recording, known)
+                           scans=[one for one in _scan_infos(library, recording, path)
                                   if frames is None or one.scan in frames], **limits)
     if name and pathlib.Path(name).is_file():
         info.sensor, info.sensor_file = found.name, pathlib.Path(name).read_text(encoding="utf-8")
-    columns = beams(recording, poses=known, position=position, infer=infer, frames=frames)
+    fits = functools.partial(_fits, recording, found) if sensor and found and found.kind == "spinning" else None
+    columns = beams(recording, poses=known, position=position, infer=infer, frames=frames, check=fits)
     return info, (_log(library, info, _kept(recording, one, keep)) for one in columns)
+
+
+def _fits(recording: Recording, sensor: Any, scan: Scan) -> None:
+    """Raises `FormatError` where a scan cannot come from the sensor that a user names."""
+    library: Any = importlib.import_module("underbrush._core")
+    points = scan.xyz if scan.xyz is not None else scan.direction
+    if recording.world or points is None:
+        return
+    if scan.xyz is None and scan.range_m is not None:
+        points = points * np.where(np.isfinite(scan.range_m), scan.range_m, 0)[:, None]
+    ring = None if scan.ring is None else np.ascontiguousarray(scan.ring, np.uint16)
+    library.check_sensor(str(getattr(recording, "path", "recording")), sensor, np.ascontiguousarray(points, np.float32), ring)
 
 
 def _kept(recording: Recording, columns: dict[str, Array], keep: tuple[str, float] | None) -> dict[str, Array]:
@@ -127,7 +143,7 @@ def _scan_infos(library: Any, recording: Recording, poses: Poses | None) -> list
     times = np.array(times_of())
     position, rotation, inside = pose_at(poses, times)
     return [library.ScanInfo(k, float(times[k]), library.Pose(position[k], rotation[k]))
-            for k in np.flatnonzero(inside).tolist()]
+            for k in np.flatnonzero(inside & ~poses.in_gaps(times)).tolist()]
 
 
 def _log(library: Any, info: Any, columns: dict[str, Array]) -> Any:

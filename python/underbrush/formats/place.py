@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import collections
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -18,18 +18,21 @@ from .trajectory import pose_at, read_poses
 
 Floats = npt.NDArray[np.float64]
 
+IN_GAPS = "beams in gaps of the poses"
 _LEAST_RANGE_M = 1e-6  # A shorter range has no direction.
 _NO_TURN = np.array([[0.0, 0.0, 0.0, 1.0]])
+_STILL_M = 1.0
 _FARTHEST_M = 30e3  # Aircraft fly up to 20 km above what they survey.
 _PACKET_S = 1e-3  # Beams within a millisecond share a packet.
 
 
 def beams(recording: Recording, *, poses: Poses | PathLike | None = None,
           position: Sequence[float] | None = None, infer: MissInference | None = None,
-          frames: range | None = None) -> Iterator[dict[str, Array]]:
+          frames: range | None = None, check: Callable[[Scan], None] | None = None) -> Iterator[dict[str, Array]]:
     """Beams of all scans of a recording in the world frame, a mapping of columns a scan (see `place`).
 
-    `infer` adds the misses that point clouds lack, and `frames` has the numbers of the scans to read. `poses` (or a
+    `infer` adds the misses that point clouds lack, `frames` has the numbers of the scans to read, and `check` sees the
+    first one that has points. `poses` (or a
     file of them, see `read_poses`, or a topic) take the place of the recording's own; `position` (x y z, world) is the
     place of a sensor that stands still. It is in m, and so are `Poses`, but a position and a file of poses for a survey
     file have its coordinates, in its unit. Without both, the positions of an airborne sensor are estimated from a
@@ -39,6 +42,7 @@ def beams(recording: Recording, *, poses: Poses | PathLike | None = None,
     path = getattr(recording, "path", "recording")
     known = poses_of(recording, poses, estimated=position is None)
     if position is not None:
+        _check_still(path, getattr(recording, "used_poses", lambda: known)())
         position = np.asarray(position, np.float64) * getattr(recording, "unit_m", 1.0)
     first = True
     if frames is not None and not getattr(recording, "numbered", False):
@@ -57,10 +61,23 @@ def beams(recording: Recording, *, poses: Poses | PathLike | None = None,
         elif first and known is None and not recording.world and position is None:
             raise OptionMissing(recording.ask_poses() if isinstance(recording, BagRecording) else f"{path}: {NO_POSES}")
         first = False
+        if check is not None and len(scan):
+            check(scan)
+            check = None
         if infer is not None:
             scan = infer.added(scan, recording.skipped)
         columns = place(scan, known, world=recording.world, position=position, skipped=recording.skipped)
         yield _near(path, columns, position is not None, recording.skipped) if recording.world else columns
+
+
+def _check_still(path: PathLike, known: Poses | None) -> None:
+    """Raises `ValueError` where a sensor moves by its poses, so that it has no single position."""
+    if known is None or not len(known.time_s):
+        return
+    moved_m = float(np.linalg.norm(known.position - known.position[0], axis=1).max())
+    if moved_m > _STILL_M:
+        raise ValueError(f"{path}: by its poses the sensor moves by {moved_m:.1f} m, and --position is for one that "
+                         "stands still: leave it out, or read one station of an E57 with --topic")
 
 
 def _near(path: PathLike, columns: dict[str, Array], still: bool, skipped: collections.Counter[str]
@@ -137,6 +154,10 @@ def place(scan: Scan, poses: Poses | None, *, world: bool = False, position: Seq
     else:
         raise ValueError("neither poses nor a position")
     places, turns, inside = _columns(known[0]), _columns(known[1]), np.ascontiguousarray(known[2])
+    gaps = 0
+    if moves and poses is not None and len(poses.gaps):
+        gap = poses.in_gaps(times)
+        inside, gaps = inside & ~gap, int(np.count_nonzero(gap[group]))
     points, instead, direction, range_m = scan.xyz, None, scan.direction, scan.range_m
     if direction is not None and range_m is not None:
         points = None
@@ -154,7 +175,8 @@ def place(scan: Scan, poses: Poses | None, *, world: bool = False, position: Seq
         None if world else turns, inside, order, _LEAST_RANGE_M)
     if not moves:
         left[1] = 0  # Only flight lines lack positions.
-    for count, reason in zip(left, ("beams outside the times of the poses",
+    left[0] -= gaps
+    for count, reason in zip((gaps, *left), (IN_GAPS, "beams outside the times of the poses",
                                     "points of flight lines whose sensor positions cannot be estimated",
                                     "misses whose direction cannot be found", "points at the sensor itself")):
         if count:

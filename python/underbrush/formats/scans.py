@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import collections
 import dataclasses
+import functools
 import pathlib
 from collections.abc import Iterable, Iterator
 from typing import Protocol
@@ -52,6 +53,27 @@ class Poses:
     time_s: npt.NDArray[np.float64]  #: (m,), s.
     position: npt.NDArray[np.float64]  #: (m, 3), m, world frame.
     rotation: npt.NDArray[np.float64]  #: (m, 4), world from sensor, quaternion x y z w.
+
+    @functools.cached_property
+    def gaps(self) -> npt.NDArray[np.float64]:
+        """(k, 2) s: where the place of the sensor is not known, by the rule of the program's import. Between two poses
+        that are more than 1 s and ten usual steps apart, the sensor moves by more than 0.5 m and three usual ways or
+        turns by more than 5° and three usual turns; a usual step at both ends is no part of the gap."""
+        if len(self.time_s) < 3:
+            return np.zeros((0, 2))
+        step, way = np.diff(self.time_s), np.linalg.norm(np.diff(self.position, axis=0), axis=1)
+        cosine = np.abs((self.rotation[1:] * self.rotation[:-1]).sum(axis=1))
+        turn = 2 * np.arccos(np.clip(cosine, 0, 1))
+        usual = float(np.median(step))
+        moved = (way > max(0.5, 3 * float(np.median(way)))) | (turn > max(np.radians(5), 3 * float(np.median(turn))))
+        k = np.flatnonzero((step > max(1.0, 10 * usual)) & moved)
+        return np.column_stack([self.time_s[k] + usual, self.time_s[k + 1] - usual])
+
+    def in_gaps(self, time_s: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
+        """(n,), whether a time lies in a gap."""
+        gap = np.searchsorted(self.gaps[:, 0], time_s, side="left") - 1
+        ends = np.append(self.gaps[:, 1], -np.inf)  # The last one for times before all gaps.
+        return np.asarray(time_s < ends[gap], np.bool_)
 
 
 class Recording(Protocol):

@@ -8,6 +8,7 @@
 #include "underbrush/io/csv_beams.hpp"
 #include "underbrush/io/log_path.hpp"
 #include "underbrush/io/log_rows.hpp"
+#include "underbrush/io/oxts.hpp"
 #include "underbrush/io/ply_header.hpp"
 #include "underbrush/io/poses.hpp"
 #include "underbrush/io/scan_folder.hpp"
@@ -189,7 +190,13 @@ class Opener {
     std::copy(tr->begin(), tr->end(), rows.begin());
     const auto camera_from_velo = pose_from_rows(rows);
     if (!camera_from_velo) throw FormatError(calib.string(), "Tr", "not a rotation");
-    if (!has_poses() && fs::exists(poses)) set_poses(read_poses(poses), poses);
+    if (has_poses()) {
+      input_.notes.push_back(
+          "the given poses are taken for those of the left camera, as Tr of "
+          "calib.txt has it; --format kitti takes them for those of the lidar");
+    } else if (fs::exists(poses)) {
+      set_poses(read_poses(poses), poses);
+    }
     need_poses();
     for (Pose& pose : placing_.poses.pose) {
       pose = camera_from_velo->inverse() * pose * *camera_from_velo;

@@ -248,13 +248,19 @@ std::vector<double> read_times(const fs::path& path) {
 std::vector<double> read_dates(const fs::path& path) {
   const std::string text = read_text(path, uint64_t(1) << 30);
   std::vector<double> times;
+  size_t blank = 0;  // lines since the last date
   for_each_line(text, [&](size_t, std::string_view line) {
-    if (words_of(line).empty()) return;
+    if (words_of(line).empty()) {
+      ++blank;
+      return;
+    }
     const auto time = time_of_date(line);
-    if (!time) {
+    if (!time || (times.empty() && blank > 0)) {
       throw FormatError(path.string(), "row " + std::to_string(times.size() + 1),
                         "expected YYYY-MM-DD hh:mm:ss.nnnnnnnnn");
     }
+    const double step = blank > 0 ? (*time - times.back()) / double(blank + 1) : 0;
+    for (; blank > 0; --blank) times.push_back(*time - double(blank) * step);
     times.push_back(*time);
   });
   check_rising(path, times);
@@ -280,61 +286,6 @@ std::optional<std::vector<double>> read_calibration(const fs::path& path, const 
     return values;
   }
   return std::nullopt;
-}
-
-OxtsPoses read_oxts(const fs::path& folder) {
-  constexpr double kEarthRadius = 6378137;  // m; as in KITTI's development kit.
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder / "oxts" / "data")) {
-    if (entry.path().extension() == ".txt") files.push_back(entry.path());
-  }
-  std::sort(files.begin(), files.end());
-  OxtsPoses out;
-  Pose imu_from_velo;
-  for (const fs::path& place : {folder, folder.parent_path()}) {
-    const fs::path file = place / "calib_imu_to_velo.txt";
-    const auto r = read_calibration(file, "R"), t = read_calibration(file, "T");
-    if (!r || !t) continue;
-    if (r->size() != 9 || t->size() != 3) throw FormatError(file.string(), "R, T", "damaged");
-    const auto velo_from_imu =
-        pose_from_rows({(*r)[0], (*r)[1], (*r)[2], (*t)[0], (*r)[3], (*r)[4], (*r)[5], (*t)[1],
-                        (*r)[6], (*r)[7], (*r)[8], (*t)[2]});
-    if (!velo_from_imu) throw FormatError(file.string(), "R", "not a rotation");
-    imu_from_velo = velo_from_imu->inverse();
-    out.calibrated = true;
-    break;
-  }
-  double scale = 0;
-  Vec3 origin = Vec3::Zero();
-  for (const fs::path& file : files) {
-    const NumberRows numbers = read_numbers(file);
-    const auto& v = numbers.rows[0];
-    constexpr std::array<double, 6> kMost{89, 360, 1e6, 100, 100, 100};
-    const auto within = [](double most, double value) { return std::abs(value) <= most; };
-    if (v.size() < 6 || !std::equal(kMost.begin(), kMost.end(), v.begin(), within)) {
-      throw FormatError(file.string(), "line 1", "expected lat lon alt roll pitch yaw …");
-    }
-    if (scale == 0) scale = std::cos(v[0] * kDegree);
-    const Vec3 place(scale * kEarthRadius * v[1] * kDegree,
-                     scale * kEarthRadius * std::log(std::tan((90 + v[0]) * kDegree / 2)), v[2]);
-    if (out.poses.pose.empty()) origin = place;
-    const Pose world_from_imu{Eigen::AngleAxisd(v[5], Vec3::UnitZ()) *
-                                  Eigen::AngleAxisd(v[4], Vec3::UnitY()) *
-                                  Eigen::AngleAxisd(v[3], Vec3::UnitX()),
-                              place - origin};
-    out.poses.pose.push_back(world_from_imu * imu_from_velo);
-  }
-  if (files.empty()) throw FormatError((folder / "oxts" / "data").string(), "", "no poses in it");
-  const fs::path stamps = folder / "oxts" / "timestamps.txt";
-  if (fs::exists(stamps)) {
-    out.poses.time_s = read_dates(stamps);
-    if (out.poses.time_s.size() != files.size()) {
-      throw FormatError(stamps.string(), "",
-                        std::to_string(out.poses.time_s.size()) + " times for " +
-                            std::to_string(files.size()) + " poses");
-    }
-  }
-  return out;
 }
 
 std::string times_of_poses(double time_s, double first_s, double last_s) {

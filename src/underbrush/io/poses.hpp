@@ -46,24 +46,13 @@ std::string times_of_poses(double time_s, double first_s, double last_s);
 /// Reads a file with one time (s) for each line. Throws `FormatError` unless they ascend.
 std::vector<double> read_times(const std::filesystem::path& path);
 /// Reads a file with one date for each line ("YYYY-MM-DD hh:mm:ss.nnnnnnnnn") as seconds since
-/// 1970. Throws `FormatError` unless they ascend.
+/// 1970. A blank line between two dates stands for a scan that is missing, and has a time between
+/// theirs. Throws `FormatError` unless they ascend.
 std::vector<double> read_dates(const std::filesystem::path& path);
 
 /// Reads the numbers of the line "KEY: numbers…" of a KITTI calibration file. Returns nothing if
 /// the file or the key does not exist.
 std::optional<std::vector<double>> read_calibration(const std::filesystem::path& path,
                                                     const std::string& key);
-
-/// Poses of a KITTI raw drive, and whether they are those of the lidar.
-struct OxtsPoses {
-  PoseList poses;
-  bool calibrated = false;  ///< World from velodyne if true, else world from INS.
-};
-/// Reads the poses of a KITTI raw drive from FOLDER/oxts/data/*.txt (lat lon alt roll pitch yaw …),
-/// by the Mercator projection of KITTI's development kit at the scale of the first latitude. In the
-/// world x points east, y north and z up; its origin is the first INS position. If
-/// calib_imu_to_velo.txt lies in FOLDER or above it, the poses are world from velodyne, else world
-/// from INS. Throws `FormatError`.
-OxtsPoses read_oxts(const std::filesystem::path& folder);
 
 }  // namespace underbrush::io

@@ -1,5 +1,7 @@
 #include "underbrush/osi/list_file.hpp"
 
+#include <stdexcept>
+
 #include "underbrush/core/check.hpp"
 #include "underbrush/osi/objects.hpp"
 #include "underbrush/osi/read.hpp"
@@ -35,8 +37,18 @@ perception::ObjectList true_list(TraceReader& reader, std::string message,
 
 }  // namespace
 
+void check_list_name(const std::filesystem::path& path) {
+  const std::string extension = path.extension().string();
+  if (extension.empty() || extension == ".csv" || extension == ".json" || extension == ".osi") {
+    return;
+  }
+  throw std::invalid_argument(
+      path.string() + ": lists of objects are written as .csv, .json or .osi, not as " + extension);
+}
+
 void write_lists(const std::filesystem::path& path, std::span<const perception::ObjectList> lists,
                  const std::string& provenance) {
+  check_list_name(path);
   if (!is_trace_file(path)) return perception::write_object_lists(path, lists, provenance);
   TraceWriter writer(path, provenance);
   for (const SensorData& data : data_of(lists)) {

@@ -11,7 +11,10 @@
 
 namespace underbrush::osi {
 
+/// Throws `std::invalid_argument` where a name promises another format than those of lists.
+void check_list_name(const std::filesystem::path& path);
 /// Writes lists as SensorData to a trace (.osi), else as `perception::write_object_lists` does.
+/// Throws what `check_list_name` throws.
 void write_lists(const std::filesystem::path& path, std::span<const perception::ObjectList> lists,
                  const std::string& provenance);
 /// Reads the objects of a trace: those of SensorData, or the true ones of SensorViews or

@@ -22,19 +22,24 @@ size_t coarse_times(const PointScan& scan) {
 }
 
 std::string warning_of_greatest_range(const PointScan& scan, double max_range_m) {
-  constexpr double kSame = 1e-5, kRounding = 1e-3, kShare = 0.01;
+  constexpr double kSame = 1e-5, kRounding = 1e-3, kShare = 0.01, kLevel = 1e-3;
   constexpr size_t kFewest = 20;
   double greatest = 0;
   for (const Vec3f& p : scan.point) {
     if (is_return(p)) greatest = std::max(greatest, p.cast<double>().norm());
   }
   size_t returns = 0, same = 0;
+  double low = INFINITY, high = -INFINITY;  // Heights.
   for (const Vec3f& p : scan.point) {
     if (!is_return(p)) continue;
     ++returns;
-    same += p.cast<double>().norm() >= greatest * (1 - kSame) - kRounding;
+    if (p.cast<double>().norm() < greatest * (1 - kSame) - kRounding) continue;
+    ++same;
+    low = std::min(low, double(p.z()));
+    high = std::max(high, double(p.z()));
   }
-  if (same < kFewest || double(same) < kShare * double(returns)) return "";
+  const bool circle = high < 0 && high - low < kLevel * greatest;  // The last ring on flat ground.
+  if (circle || same < kFewest || double(same) < kShare * double(returns)) return "";
   if (max_range_m > 0 && std::abs(max_range_m - greatest) <= kSame * greatest + kRounding)
     return "";
   const std::string range = text_of("%.6g", greatest);

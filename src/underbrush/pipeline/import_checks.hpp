@@ -15,7 +15,8 @@ size_t coarse_times(const PointScan& scan);
 
 /// Returns a warning where twenty and a hundredth of a scan's returns lie at its greatest range to
 /// 1e-5 of it and 1 mm, as simulators store beams without a return, unless that is `max_range_m`,
-/// which makes them misses; else "".
+/// which makes them misses, or they are one circle below the sensor, as its last ring on flat
+/// ground; else "".
 std::string warning_of_greatest_range(const PointScan& scan, double max_range_m);
 
 /// Returns a warning where half of a scan's returns are farther than 500 m, or than 100 m with

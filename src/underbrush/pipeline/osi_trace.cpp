@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <optional>
+#include <stdexcept>
 
 #include "underbrush/actors/actor_edits.hpp"
 #include "underbrush/core/check.hpp"
@@ -19,6 +20,10 @@ namespace fs = std::filesystem;
 osi::RecordCounts record_trace(const fs::path& log, const fs::path& output,
                                const osi::OsiOptions& options, const std::string& provenance) {
   options.check("record");
+  if (!output.extension().empty() && !osi::is_trace_file(output)) {
+    throw std::invalid_argument(output.string() + ": traces are written as .osi, not as " +
+                                output.extension().string());
+  }
   io::LogReader reader(log);
   std::optional<perception::LogTruth> truth;
   std::vector<std::string> models;
@@ -60,6 +65,7 @@ ReplayCounts replay_trace(const fs::path& trace, const fs::path& output,
                           const osi::OsiOptions& options, const std::string& provenance) {
   using Clock = std::chrono::steady_clock;
   options.check("replay");
+  osi::check_list_name(output);
   osi::TraceReader reader(trace);
   osi::Replay chain(reader, options.replay);
   std::optional<osi::TraceWriter> writer;

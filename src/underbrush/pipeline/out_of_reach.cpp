@@ -56,6 +56,20 @@ std::string where_of(const Bounds& sensor, const Bounds& world) {
   return text;
 }
 
+/// Whether a world is high, and thin along its y axis only, as terrain whose y axis points up.
+bool lies_on_its_side(const Bounds& world) {
+  constexpr double kHigh = 30, kThin = 0.25;  // m
+  const Vec3 size = world.high - world.low;
+  return size.z() > kHigh && size.y() < kThin * std::min(size.x(), size.z());
+}
+
+/// The size of such a world, with the question which axis points up.
+std::string asks_for_up(const Bounds& world) {
+  const Vec3 size = world.high - world.low;
+  return length(size.x()) + " by " + length(size.y()) + " wide and " + length(size.z()) +
+         " high: does its y axis point up? Then --up y";
+}
+
 }  // namespace
 
 std::string other_coordinates(const Bounds& sensor, const Bounds& world) {
@@ -85,6 +99,7 @@ std::string why_nothing_is_hit(const Bounds& sensor, const Bounds& world, double
     return nothing + places(sensor, world) + "it is " + where_of(sensor, world) +
            " the world, beyond its range of " + length(max_range_m);
   }
+  if (lies_on_its_side(world)) return nothing + "the world is " + asks_for_up(world);
   return nothing + places(sensor, world) +
          "its beams point past the world: do the rotations of its poses turn from the sensor's "
          "frame to the world's?";
@@ -93,6 +108,7 @@ std::string why_nothing_is_hit(const Bounds& sensor, const Bounds& world, double
 std::string larger_than_life(const Bounds& world) {
   constexpr double kHigh = 200, kSteep = 1.0 / 3;  // m
   if (world.empty()) return "";
+  if (lies_on_its_side(world)) return "the world is " + asks_for_up(world);
   const Vec3 size = world.high - world.low;
   if (size.z() < kHigh || size.z() < kSteep * size.head<2>().maxCoeff()) return "";
   return "the world is " + length(size.head<2>().maxCoeff()) + " wide and " + length(size.z()) +

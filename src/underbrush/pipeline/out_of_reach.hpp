@@ -24,7 +24,8 @@ std::string other_coordinates(const metrics::Bounds& sensor, const metrics::Boun
 std::string ground_elsewhere(const metrics::Bounds& sensor, const elements::Scene& scene);
 
 /// Returns a warning about a world that is more than 200 m and a third of its width high, as those
-/// in millimetres are; else "".
+/// in millimetres are, or more than 30 m high and less than a quarter of that and of its extent in
+/// x wide in y, as those whose y axis points up; else "".
 std::string larger_than_life(const metrics::Bounds& world);
 
 /// Returns warnings about a trajectory on which the median speed is more than 400 m/s, or whose

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "underbrush/core/cells.hpp"
@@ -12,6 +13,8 @@
 
 namespace underbrush::pipeline {
 namespace {
+
+constexpr size_t kFewest = 250;  // Points of a scan whose overlap with another one tells something.
 
 std::string warning_of_speed(const std::vector<ScanInfo>& scans) {
   constexpr double kFast = 100;  // m/s
@@ -97,13 +100,17 @@ Eigen::Quaterniond upright_of(const ScanInfo& scan) {
       scan.world_from_sensor.rotation.inverse() * Vec3::UnitZ(), Vec3::UnitZ());
 }
 
-MotionFit motion_fit(ScanSource& scans, const std::vector<ScanInfo>& infos, size_t ahead) {
+/// Nothing where a scan is too sparse to tell.
+std::optional<MotionFit> motion_fit(ScanSource& scans, const std::vector<ScanInfo>& infos,
+                                    size_t ahead) {
   constexpr size_t kPairs = 4, kPoints = 800;
   MotionFit fit;
   for (size_t k = 0; k < kPairs; ++k) {
     const size_t a = k * (infos.size() - ahead) / kPairs;
     const Eigen::Quaterniond upright = upright_of(infos[a]);
-    const ScanCells cells(upper_points(scans.read(a), upright, SIZE_MAX));
+    const std::vector<Vec3> earlier = upper_points(scans.read(a), upright, SIZE_MAX);
+    const ScanCells cells(earlier);
+    if (earlier.size() < kFewest) return std::nullopt;
     const std::vector<Vec3> later = upper_points(scans.read(a + ahead), upright, kPoints);
     const Pose turn{upright, Vec3::Zero()};
     const Pose given = turn * infos[a].world_from_sensor.inverse() *
@@ -131,7 +138,9 @@ std::string warning_of_motion(ScanSource& scans, const std::vector<ScanInfo>& in
   bool stood = true;
   for (const size_t ahead : {1, 3, 10, 30, 100}) {
     if (infos.size() <= ahead || (ahead > 3 && !stood)) break;
-    const MotionFit fit = motion_fit(scans, infos, ahead);
+    const std::optional<MotionFit> found = motion_fit(scans, infos, ahead);
+    if (!found) return "";
+    const MotionFit& fit = *found;
     stood = fit.given_m < kStands;
     if (fit.best < fit.given + kBetter) continue;
     const auto motion = [](double way_m, double turn_rad) {
@@ -163,7 +172,9 @@ std::string warning_of_overlap(ScanSource& scans, const std::vector<ScanInfo>& i
         infos[b].world_from_sensor.translation - infos[a].world_from_sensor.translation;
     fast = fast && way.norm() > kFast * double(b - a);
     const Eigen::Quaterniond none = Eigen::Quaterniond::Identity();
-    const ScanCells cells(upper_points(scans.read(a), none, SIZE_MAX));
+    const std::vector<Vec3> from = upper_points(scans.read(a), none, SIZE_MAX);
+    const ScanCells cells(from);
+    if (from.size() < kFewest) return "";
     const std::vector<Vec3> to = upper_points(scans.read(b), none, 4000);
     for (size_t k = 0; k < kReadings.size(); ++k) {
       const auto& pose_of = kReadings[k].pose;

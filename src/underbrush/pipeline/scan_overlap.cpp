@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <unordered_map>
 
 #include "underbrush/core/cells.hpp"
 #include "underbrush/pipeline/check_values.hpp"
@@ -24,6 +25,23 @@ std::optional<size_t> cell_of(const Vec3& p) {
   return cell;
 }
 
+/// Leaves out points whose column of cells has no other 0.3 m above or below, as those on a flat
+/// ceiling.
+void keep_upright(std::vector<Vec3>& points) {
+  constexpr double kLeast = 0.3;                                  // m
+  std::unordered_map<size_t, std::pair<double, double>> heights;  // The least and the greatest.
+  const auto column_of = [](const Vec3& p) { return cell_of({p.x(), p.y(), 0}).value_or(0); };
+  for (const Vec3& p : points) {
+    auto& [low, high] = heights.try_emplace(column_of(p), p.z(), p.z()).first->second;
+    low = std::min(low, p.z());
+    high = std::max(high, p.z());
+  }
+  std::erase_if(points, [&](const Vec3& p) {
+    const auto& [low, high] = heights.at(column_of(p));
+    return high - low < kLeast;
+  });
+}
+
 }  // namespace
 
 std::vector<Vec3> upper_points(const PointScan& scan, const Eigen::Quaterniond& upright,
@@ -40,8 +58,10 @@ std::vector<Vec3> upper_points(const PointScan& scan, const Eigen::Quaterniond& 
   const double least_own = median(own) + kAbove, least = median(height) + kAbove;
   std::erase_if(near,
                 [&](const Vec3& p) { return p.z() <= least_own || (upright * p).z() <= least; });
+  for (Vec3& p : near) p = upright * p;
+  keep_upright(near);
   const size_t step = std::max<size_t>(1, near.size() / most);
-  for (size_t i = 0; i < near.size(); i += step) out.push_back(upright * near[i]);
+  for (size_t i = 0; i < near.size(); i += step) out.push_back(near[i]);
   return out;
 }
 

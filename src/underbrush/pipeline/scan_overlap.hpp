@@ -10,8 +10,9 @@
 namespace underbrush::pipeline {
 
 /// Returns points of a scan, m in its frame turned by `upright`: about `most` of those within 2 to
-/// 40 m that lie 0.3 m above the median height in both frames. Points on flat ground overlap with
-/// any motion.
+/// 40 m that lie 0.3 m above the median height in both frames and have another 0.3 m above or below
+/// them. Points on flat ground overlap with any motion, and circles on a flat ceiling do best
+/// without any.
 std::vector<Vec3> upper_points(const PointScan& scan, const Eigen::Quaterniond& upright,
                                size_t most);
 
