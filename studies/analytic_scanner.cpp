@@ -17,6 +17,8 @@ struct FlatFace {
   double offset;
   int across, up;
   std::vector<std::array<double, 2>> outline;
+  Vec3 centre;    ///< The centre of a ball about its corners.
+  double radius;  ///< The ball's.
 };
 
 std::vector<FlatFace> faces_of(const Solid& solid) {
@@ -33,6 +35,13 @@ std::vector<FlatFace> faces_of(const Solid& solid) {
     face.across = (drop + 1) % 3;
     face.up = (drop + 2) % 3;
     for (const Vec3& c : corner) face.outline.push_back({c[face.across], c[face.up]});
+    Eigen::AlignedBox3d box;
+    for (Vec3 c : corner) {  // Onto the plane, in which a face of a file lies only about.
+      c[drop] += (face.offset - face.normal.dot(c)) / face.normal[drop];
+      box.extend(c);
+    }
+    face.centre = box.center();
+    face.radius = box.diagonal().norm() / 2;
     out.push_back(std::move(face));
   }
   return out;
@@ -55,9 +64,24 @@ struct Meeting {
   double cosine = 0;
 };
 
-Meeting nearest(const std::vector<FlatFace>& faces, const Vec3& from, const Vec3& along) {
-  Meeting best;
+/// Finds the faces, in their order, that rays may meet which start within `exit` of `eye` and lead
+/// away from the unit vector `axis` by at most `spread` a metre.
+void find_faces_near(const std::vector<FlatFace>& faces, const Vec3& eye, const Vec3& axis,
+                     double exit, double spread, std::vector<const FlatFace*>& near) {
+  constexpr double kRounding = 1e-6;  // m
+  near.clear();
   for (const FlatFace& face : faces) {
+    const Vec3 to = face.centre - eye;
+    const double ahead = to.dot(axis), farthest = std::max(ahead + face.radius, 0.0);
+    const double reach = face.radius + exit + spread * farthest + kRounding;
+    if ((to - ahead * axis).squaredNorm() <= reach * reach) near.push_back(&face);
+  }
+}
+
+Meeting nearest(const std::vector<const FlatFace*>& faces, const Vec3& from, const Vec3& along) {
+  Meeting best;
+  for (const FlatFace* one : faces) {
+    const FlatFace& face = *one;
     const double slope = face.normal.dot(along);
     if (slope >= 0) continue;  // The ray meets the face from behind, or runs along it.
     const double t = (face.offset - face.normal.dot(from)) / slope;
@@ -71,10 +95,11 @@ struct Place {
   double u, v, share;
 };
 
+constexpr double kReach = 2.9;  ///< Radius of the cross-section in half-widths.
+
 /// Returns rings of equal width out to 3.4 σ of the Gaussian 2^−(u² + v²).
 std::vector<Place> footprint() {
   constexpr int kRings = 8, kSpokes = 12;
-  constexpr double kReach = 2.9;
   std::vector<Place> out;
   double sum = 0;
   for (int ring = 0; ring < kRings; ++ring) {
@@ -112,6 +137,7 @@ AnalyticScan analytic_scan(const Solid& solid, const Pose& target_from_scanner,
   const double spread = std::tan(options.divergence_rad / 2);
   const int half = int(std::ceil(options.half_field_rad / options.step_rad));
   AnalyticScan out;
+  std::vector<const FlatFace*> near;
   for (int column = -half; column < half; ++column) {
     for (int row = -half; row < half; ++row) {
       ++out.shots;
@@ -122,11 +148,12 @@ AnalyticScan analytic_scan(const Solid& solid, const Pose& target_from_scanner,
       const Vec3 axis = turn * local;
       if ((eye - eye.dot(axis) * axis).norm() > bound) continue;
       const Vec3 right = axis.cross(Vec3::UnitZ()).normalized(), up = right.cross(axis);
+      find_faces_near(faces, eye, axis, kReach * options.exit_m / 2, kReach * spread, near);
       double energy = 0, moment = 0;
       for (const Place& p : places) {
         const Vec3 off = p.u * right + p.v * up;
         const Vec3 along = (axis + spread * off).normalized();
-        const Meeting met = nearest(faces, eye + options.exit_m / 2 * off, along);
+        const Meeting met = nearest(near, eye + options.exit_m / 2 * off, along);
         if (met.cosine <= 0) continue;
         energy += p.share * met.cosine;
         moment += p.share * met.cosine * met.range;

@@ -26,6 +26,7 @@ BeamsByPlace::BeamsByPlace(const BeamLog& log, std::vector<uint32_t> rows)
     Cell& cell = cells[{std::llround(at.x()), std::llround(at.y()), std::llround(at.z())}];
     cell.box.extend(end);
     cell.beams.push_back(k);
+    cell.ends.push_back(end);
   }
   cells_.reserve(cells.size());
   for (auto& [key, cell] : cells) cells_.push_back(std::move(cell));
@@ -33,15 +34,15 @@ BeamsByPlace::BeamsByPlace(const BeamLog& log, std::vector<uint32_t> rows)
 
 SeenBeams BeamsByPlace::seen_from(const Vec3& place, const Eigen::AlignedBox3f& box) const {
   std::vector<std::pair<uint32_t, Vec3f>> seen;
-  const auto look_at = [&](const std::vector<uint32_t>& beams) {
-    for (const uint32_t k : beams) {
-      const Vec3f direction = direction_from(place, log_, rows_[k]).cast<float>();
-      if (box.contains(direction)) seen.emplace_back(k, direction);
-    }
+  const auto look_at = [&](uint32_t k, const Vec3& along) {
+    const Vec3f direction = along.cast<float>();
+    if (box.contains(direction)) seen.emplace_back(k, direction);
   };
-  look_at(misses_);
+  for (const uint32_t k : misses_) look_at(k, direction_from(place, log_, rows_[k]));
   for (const Cell& cell : cells_) {
-    if (may_be_within(cell, place, box)) look_at(cell.beams);
+    if (!may_be_within(cell, place, box)) continue;
+    for (size_t i = 0; i < cell.beams.size(); ++i)
+      look_at(cell.beams[i], (cell.ends[i] - place).normalized());
   }
   std::sort(seen.begin(), seen.end(),
             [](const auto& a, const auto& b) { return a.first < b.first; });

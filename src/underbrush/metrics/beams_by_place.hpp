@@ -32,6 +32,7 @@ class BeamsByPlace {
   struct Cell {
     Eigen::AlignedBox3d box;      ///< Around the ends; m, world.
     std::vector<uint32_t> beams;  ///< Places in `rows_`.
+    std::vector<Vec3> ends;       ///< Where these beams end; m, world.
   };
   static bool may_be_within(const Cell& cell, const Vec3& place, const Eigen::AlignedBox3f& box);
 

@@ -14,13 +14,19 @@ namespace {
 constexpr double kNear = 2, kFar = 40, kCell = 0.4;  // m
 constexpr int kSide = int(2 * kFar / kCell);         // cells
 
+/// The place of a coordinate among the cells along an axis, or none beyond them.
+std::optional<int> step_of(double coordinate) {
+  const double at = std::floor((coordinate + kFar) / kCell);
+  return at >= 0 && at < kSide ? std::optional(int(at)) : std::nullopt;
+}
+
 /// The number of the cell that holds a point, or none beyond the cells.
 std::optional<size_t> cell_of(const Vec3& p) {
   size_t cell = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const double at = std::floor((p[axis] + kFar) / kCell);
-    if (!(at >= 0 && at < kSide)) return std::nullopt;
-    cell = cell * size_t(kSide) + size_t(at);
+    const std::optional<int> at = step_of(p[axis]);
+    if (!at) return std::nullopt;
+    cell = cell * size_t(kSide) + size_t(*at);
   }
   return cell;
 }
@@ -40,6 +46,21 @@ void keep_upright(std::vector<Vec3>& points) {
     const auto& [low, high] = heights.at(column_of(p));
     return high - low < kLeast;
   });
+}
+
+constexpr int kSteps = 10;           // A motion is by up to as many cells forward and to the side.
+constexpr int kNoCell = -(1 << 29);  // A sum with it is below 0.
+
+/// Returns what each point adds to the number of its cell, for each step along an axis.
+std::vector<std::vector<int>> moved(const std::vector<Vec3>& points, int axis, int stride) {
+  std::vector<std::vector<int>> out(2 * kSteps + 1);
+  for (int step = -kSteps; step <= kSteps; ++step) {
+    for (const Vec3& p : points) {
+      const std::optional<int> at = step_of(p[axis] + step * kCell);
+      out[size_t(step + kSteps)].push_back(at ? *at * stride : kNoCell);
+    }
+  }
+  return out;
 }
 
 }  // namespace
@@ -82,16 +103,30 @@ double ScanCells::share_of(const std::vector<Vec3>& points, const Pose& this_fro
   return points.empty() ? 0 : double(n) / double(points.size());
 }
 
+double ScanCells::share_of(const std::vector<int>& some, const std::vector<int>& rest) const {
+  size_t n = 0;
+  for (size_t i = 0; i < some.size(); ++i) {
+    const int cell = some[i] + rest[i];
+    n += cell >= 0 && filled_[size_t(cell)];
+  }
+  return some.empty() ? 0 : double(n) / double(some.size());
+}
+
 ScanMotion best_motion(const ScanCells& earlier, const std::vector<Vec3>& later) {
-  constexpr int kSteps = 10, kTurns = 10;
+  constexpr int kTurns = 10;
   ScanMotion best;
   for (int turn = -kTurns; turn <= kTurns; ++turn) {
     const Eigen::Quaterniond rotation(Eigen::AngleAxisd(turn * M_PI / 180, Vec3::UnitZ()));
+    const Eigen::Matrix3d matrix = rotation.toRotationMatrix();
+    std::vector<Vec3> turned;
+    for (const Vec3& p : later) turned.push_back(matrix * p);
+    const auto along_x = moved(turned, 0, kSide * kSide), along_y = moved(turned, 1, kSide);
     for (int x = -kSteps; x <= kSteps; ++x) {
+      std::vector<int> rest = along_x[size_t(x + kSteps)];
+      for (size_t i = 0; i < rest.size(); ++i) rest[i] += step_of(turned[i].z()).value_or(kNoCell);
       for (int y = -kSteps; y <= kSteps; ++y) {
-        const Pose pose{rotation, Vec3(x * kCell, y * kCell, 0)};
-        const double share = earlier.share_of(later, pose);
-        if (share > best.share) best = {pose, share};
+        const double share = earlier.share_of(rest, along_y[size_t(y + kSteps)]);
+        if (share > best.share) best = {Pose{rotation, Vec3(x * kCell, y * kCell, 0)}, share};
       }
     }
   }

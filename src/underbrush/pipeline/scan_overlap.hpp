@@ -24,6 +24,9 @@ class ScanCells {
   /// Returns the share of points that lie in these cells, once the pose moves them to this sensor's
   /// frame; 0 where there are none.
   double share_of(const std::vector<Vec3>& points, const Pose& this_from_points) const;
+  /// Returns the share of points that lie in these cells, of points whose cells have the sums of
+  /// two numbers; a sum below 0 is beyond the cells.
+  double share_of(const std::vector<int>& some, const std::vector<int>& rest) const;
 
  private:
   std::vector<bool> filled_;
