@@ -26,6 +26,11 @@ def mounted(place, options):
         place.rmdir()
 
 
+def remove(out):
+    """Removes an output, whatever it is, if there is one."""
+    shutil.rmtree(out) if out.is_dir() and not out.is_symlink() else out.unlink(missing_ok=True)
+
+
 def whole(done, place, old, good, allowed=(ANSWER, REFUSAL)):
     """What came of a run: its output must be whole after an answer and as before after a refusal."""
     outcome = bounded.judged(done, codes=(2, 3, 4))
@@ -79,6 +84,7 @@ def full_disk_of_temporaries(one):
     with mounted(one.folder / "tmp", "size=4k,nr_inodes=1") as place:
         done = one.run(out.name, env={**os.environ, "TMPDIR": str(place), "XDG_CACHE_HOME": str(place)})
         yield whole(done, out, {}, one.good), "TMPDIR"
+    remove(out)
 
 
 def devices(one):
@@ -125,8 +131,7 @@ def odd_inputs(one):
                 with contextlib.suppress(OSError):
                     os.close(os.open(path, os.O_RDONLY | os.O_NONBLOCK))  # lets the writer go
             path.rmdir() if what == "folder" else path.unlink()
-            out = one.folder / ("out" + one.job.ending)
-            shutil.rmtree(out) if out.is_dir() else out.unlink(missing_ok=True)
+            remove(one.folder / ("out" + one.job.ending))
         kept.rename(path)
 
 
@@ -142,12 +147,12 @@ def links(one):
             same = bounded.contents(one.folder / name) == before
             outcome = bounded.judged(done)
             yield (outcome if same else "the input changed"), f"{what} to {name}"
-            shutil.rmtree(out) if out.is_dir() and not out.is_symlink() else out.unlink()
+            remove(out)
     for what, target in (("link to itself", out.name), ("link to nothing", "nothing"), ("link out", "../elsewhere")):
         out.symlink_to(target)
         done = one.run(out.name)
         yield bounded.judged(done), what
-        shutil.rmtree(out) if out.is_dir() and not out.is_symlink() else out.unlink()
+        remove(out)
 
 
 def two_processes(one):
