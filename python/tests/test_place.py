@@ -276,17 +276,23 @@ def test_square_matrices(tmp_path: pathlib.Path) -> None:
 
 
 def test_a_sensor_that_moves_has_no_single_position(tmp_path: pathlib.Path) -> None:
-    """Its poses and a position cannot both be right; for one station of several the position is taken."""
+    """Its poses and a position cannot both be right; for one station of several the position is taken, and its turn."""
     pye57 = pytest.importorskip("pye57", reason="pye57 is not installed: pip install 'underbrush[formats]'")
     file = pye57.E57(str(tmp_path / "a.e57"), mode="w")
+    half = np.sqrt(0.5)
     for k in range(2):
         xyz = np.random.default_rng(k).normal(size=(500, 3)) * 5
         file.write_scan_raw({**{f"cartesian{axis}": xyz[:, n] for n, axis in enumerate("XYZ")}}, name=f"S{k}",
-                            rotation=np.array([1.0, 0, 0, 0]), translation=np.array([20.0 * k, 0, 1.5]))
+                            rotation=np.array([half, 0, 0, half] if k else [1.0, 0, 0, 0]), translation=np.array([20.0 * k, 0, 1.5]))
     file.close()
     with pytest.raises(ValueError, match=r"moves by 20.0 m, and --position is for one that stands still"):
         list(beams(open_recording(tmp_path / "a.e57"), position=[5, 5, 2]))
     back = list(beams(open_recording(tmp_path / "a.e57", topic="S1"), position=[5, 5, 2]))
     assert len(back) == 1 and (back[0]["origin"] == [5, 5, 2]).all()
+    np.testing.assert_allclose(end_points(back[0]), np.stack([-xyz[:, 1], xyz[:, 0], xyz[:, 2]], axis=1) + [5, 5, 2],
+                               atol=1e-4)  # A quarter of a revolution to the left.
+    turning = Poses(np.arange(2.0), np.zeros((2, 3)), np.array([[0, 0, 0, 1.0], [0, 0, half, half]]))
+    with pytest.raises(ValueError, match="turns by 90°, and --position"):
+        list(beams(open_recording(tmp_path / "a.e57", topic="S1"), poses=turning, position=[5, 5, 2]))
     with pytest.raises(FormatError, match=r"^[^:]*a.e57: header: no station 'S9': 0 S0, 1 S1$"):
         open_recording(tmp_path / "a.e57", topic="S9")

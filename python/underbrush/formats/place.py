@@ -22,6 +22,7 @@ IN_GAPS = "beams in gaps of the poses"
 _LEAST_RANGE_M = 1e-6  # A shorter range has no direction.
 _NO_TURN = np.array([[0.0, 0.0, 0.0, 1.0]])
 _STILL_M = 1.0
+_STILL_DEG = 3.0
 _FARTHEST_M = 30e3  # Aircraft fly up to 20 km above what they survey.
 _PACKET_S = 1e-3  # Beams within a millisecond share a packet.
 
@@ -41,8 +42,9 @@ def beams(recording: Recording, *, poses: Poses | PathLike | None = None,
     """
     path = getattr(recording, "path", "recording")
     known = poses_of(recording, poses, estimated=position is None)
+    attitude = _NO_TURN
     if position is not None:
-        _check_still(path, getattr(recording, "used_poses", lambda: known)())
+        attitude = _attitude(path, known if poses else getattr(recording, "used_poses", lambda: known)())
         position = np.asarray(position, np.float64) * getattr(recording, "unit_m", 1.0)
     first = True
     if frames is not None and not getattr(recording, "numbered", False):
@@ -66,18 +68,23 @@ def beams(recording: Recording, *, poses: Poses | PathLike | None = None,
             check = None
         if infer is not None:
             scan = infer.added(scan, recording.skipped)
-        columns = place(scan, known, world=recording.world, position=position, skipped=recording.skipped)
+        columns = place(scan, known, world=recording.world, position=position, attitude=attitude,
+                        skipped=recording.skipped)
         yield _near(path, columns, position is not None, recording.skipped) if recording.world else columns
 
 
-def _check_still(path: PathLike, known: Poses | None) -> None:
-    """Raises `ValueError` where a sensor moves by its poses, so that it has no single position."""
+def _attitude(path: PathLike, known: Poses | None) -> Floats:
+    """The rotation (1, 4) of a sensor that stands still: the first of its poses, if it has any. Raises `ValueError`
+    where it moves or turns by its poses, so that it has no single place."""
     if known is None or not len(known.time_s):
-        return
+        return _NO_TURN
     moved_m = float(np.linalg.norm(known.position - known.position[0], axis=1).max())
-    if moved_m > _STILL_M:
-        raise ValueError(f"{path}: by its poses the sensor moves by {moved_m:.1f} m, and --position is for one that "
-                         "stands still: leave it out, or read one station of an E57 with --topic")
+    turned = 2 * np.arccos(np.clip(np.abs(known.rotation @ known.rotation[0]), 0, 1)).max()
+    if moved_m > _STILL_M or turned > np.radians(_STILL_DEG):
+        how = f"moves by {moved_m:.1f} m" if moved_m > _STILL_M else f"turns by {np.degrees(turned):.0f}°"
+        raise ValueError(f"{path}: by its poses the sensor {how}, and --position is for one that stands still: leave "
+                         "it out, or read one station of an E57 with --topic")
+    return known.rotation[:1]
 
 
 def _near(path: PathLike, columns: dict[str, Array], still: bool, skipped: collections.Counter[str]
@@ -129,8 +136,9 @@ def read_poses_of(recording: Recording, path: PathLike) -> Poses:
 
 
 def place(scan: Scan, poses: Poses | None, *, world: bool = False, position: Sequence[float] | None = None,
-          skipped: collections.Counter[str] | None = None) -> dict[str, Array]:
-    """The beams of a scan in the world frame, in order of time.
+          attitude: Floats = _NO_TURN, skipped: collections.Counter[str] | None = None) -> dict[str, Array]:
+    """The beams of a scan in the world frame, in order of time. A sensor at a `position` has the rotation `attitude`, a
+    quaternion (1, 4) x y z w.
 
     Columns, n entries each: `origin` (n, 3) float64, m; `direction` (n, 3) float32, unit vectors; `range_m` float32,
     infinity for a miss; `intensity` float32; `time_s` float64; `ring` uint16; `scan` and `packet` (ms after the
@@ -144,7 +152,7 @@ def place(scan: Scan, poses: Poses | None, *, world: bool = False, position: Seq
     times, group, order = group_times(np.ascontiguousarray(time, np.float64))
     moves = position is None and poses is not None and len(poses.time_s) > 0
     if position is not None:
-        known = np.asarray(position, np.float64).reshape(1, 3), _NO_TURN, np.ones(1, bool)
+        known = np.asarray(position, np.float64).reshape(1, 3), attitude, np.ones(1, bool)
         group = np.zeros(n, np.uint32)
     elif moves and poses is not None:
         known = pose_at(poses, times)  # Beams of equal time, and there are many, share an interpolated pose.
