@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "temporary.hpp"
+#include "underbrush/core/check.hpp"
 
 namespace underbrush::io {
 
@@ -116,6 +117,23 @@ inline std::string sample_bin() {
     for (float v : {p.x, p.y, p.z, p.intensity}) add(s, v);
   }
   return s;
+}
+
+/// Evenly spread times, as those of the points of a scan.
+inline std::vector<double> spread(double first, double last) {
+  std::vector<double> out;
+  for (int k = 0; k <= 100; ++k) out.push_back(first + (last - first) * k / 100);
+  return out;
+}
+
+/// The reason of the `FormatError` that reading throws; empty where it throws none.
+inline std::string reason_of(const std::function<void()>& read) {
+  try {
+    read();
+  } catch (const FormatError& e) {
+    return e.reason();
+  }
+  return "";
 }
 
 }  // namespace underbrush::io
