@@ -104,6 +104,25 @@ TEST(ObservedSpace, KnowsTheCellsThatBeamsCrossedAndNoOthers) {
   EXPECT_FALSE(m.observed);
 }
 
+TEST(ObservedSpace, OfBeamsWithoutAReturnEndsWhateverTheRangeOfTheSensor) {
+  BeamLog log = log_of_drive(200, 3, -0.1, 0.1,
+                             [](const Vec3& d, Stream&) { return d.y() > 0 ? HUGE_VAL : 20.0; });
+  for (auto& d : log.direction) {
+    if (d.y() > 0) d.z() = -1e-5f;
+  }
+  std::array<size_t, 2> blocks{};
+  for (size_t k = 0; k < 2; ++k) {
+    elements::Model m = flat_model();
+    m.max_range_m = log.info.max_range_m = k == 0 ? 4000 : 65536;
+    MemorySource source(log);
+    learn_observed_space(m, source, {1, 0});
+    ASSERT_TRUE(m.observed);
+    blocks[k] = m.observed->blocks.size();
+  }
+  EXPECT_GT(blocks[0], 1000u);
+  EXPECT_EQ(blocks[0], blocks[1]);
+}
+
 // The top of the medium lies within an interval of the heights.
 TEST(ObservedSpace, EndsAtTheHighestReturns) {
   constexpr double kTop = 5.5;

@@ -120,6 +120,14 @@ TEST(Plan, ComesBackFromItsFolder) {
   EXPECT_EQ(read.results[0].tasks, (std::vector<size_t>{1, 0}));
 }
 
+TEST(Plan, ReplacesNoFolderThatIsNone) {
+  const Folder folder;
+  std::filesystem::create_directory(folder / "years");
+  write_file(folder / "years/thesis.tex", "of work");
+  EXPECT_THROW(write_plan(folder / "years", small_plan(), true), IoError);
+  EXPECT_TRUE(std::filesystem::exists(folder / "years/thesis.tex"));
+}
+
 TEST(Plan, ThatIsDamagedIsRefused) {
   const Folder folder;
   Plan plan = small_plan();

@@ -150,14 +150,15 @@ TEST(Annotation, ThatIsWrongSaysWhere) {
   expect_refused(layers(R"({"z": [1, 2, 3, 4, 5], "x": []})"), "objects[1].layers_m.x", "5 layers");
   expect_refused(layers(R"({"z": [1, 2, 3, 4], "x": [], "y": []})"), "objects[1].layers_m.z",
                  "5 numbers");
+  expect_refused(layers(R"({"z": [1, 2, 3, 4, 1e308], "x": [], "y": []})"), "objects[1].layers_m.z",
+                 "100 km");
   expect_refused(layers(R"({"x": [], "y": []})"), "objects[1].layers_m", "'z'");
   expect_refused(layers(R"({"z": [1, 2, 3, 4, 5], "w": []})"), "objects[1].layers_m", "'w'");
   const auto beams = [&](const char* json) {
     return object(R"("class": "large_tree", "beams": )" + std::string(json) + "," + at + "," + box);
   };
   expect_refused(beams(R"({"returns": [1, 2, 3]})"), "objects[1].beams", "'path_m'");
-  expect_refused(beams(R"({"returns": [1, 2], "path_m": [1, 2, 3]})"), "objects[1].beams.returns",
-                 "3");
+  expect_refused(beams(R"({"returns": [1, 2], "path_m": []})"), "objects[1].beams.returns", "3");
   expect_refused(beams(R"({"returns": [1, 2, 3], "path_m": [1, -2, 3]})"),
                  "objects[1].beams.path_m", "0 to 1e15");
   expect_refused(beams(R"({"returns": [1, 2, 3], "path_m": [1, 2, 3], "x": 1})"),

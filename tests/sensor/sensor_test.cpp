@@ -136,6 +136,8 @@ TEST_F(SensorFile, ErrorsNameFileAndPlace) {
   expect("rate_hz", "rate_khz", "rate_khz: unknown key");
   expect("time_us: [0, 5]", "time_us: [0]", "channels.time_us");
   expect("time_us: [0, 5]", "time_us: [0, 99]", "firing period");
+  expect("time_us: [0, 5]", "z_mm: [0, 20000]", "channels.z_mm: must be within ±10000");
+  expect("time_us: [0, 5]", "azimuth_deg: [0, 1e308]", "channels.azimuth_deg: must be within ±360");
   expect("elevation_deg: [1, 2]", "elevation_deg: [1, .nan]", "elevation");
   expect("[1, 2]", "{first: 1, last: 2}", "count: missing");
   expect("[1, 2]", "{first: 1, last: 2, count: 1}", "count");

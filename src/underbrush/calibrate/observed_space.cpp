@@ -116,8 +116,10 @@ Extent extent_of(BeamSource& log, const ObservedSpaceOptions& options) {
   return out;
 }
 
+/// How far beams without a return are followed.
 double reach_of(const elements::Model& model, const LogInfo& log) {
-  return std::min(log.max_range_m, model.max_range_m);
+  constexpr double kMost = 4000;  // m; a log whose range is without bounds has a bounded map
+  return std::min({log.max_range_m, model.max_range_m, kMost});
 }
 
 /// The maps of the two parts of a log.

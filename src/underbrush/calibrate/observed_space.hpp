@@ -23,8 +23,8 @@ struct ObservedSpaceOptions {
 ///
 /// by height h above the ground, which is known to the other part, too, and range r; κ(h) is the
 /// ratio for all ranges. Beams without a return count with their path above the ground, up to the
-/// greatest range of a return. Nothing is learnt without a ground. The log is read four times. The
-/// result has the same bits for any number of threads.
+/// greatest range of a return or 4 km. Nothing is learnt without a ground. The log is read four
+/// times. The result has the same bits for any number of threads.
 void learn_observed_space(elements::Model& model, BeamSource& log,
                           const ObservedSpaceOptions& options);
 

@@ -111,6 +111,7 @@ void write_plan(const fs::path& folder, const Plan& plan, bool replace) {
     throw IoError(folder.string() +
                   ": cannot write: exists; --force replaces it and all that its tasks made");
   }
+  io::check_output_folder(folder, fs::is_regular_file(folder / kPlanFile), "no plan");
   const std::string text = io::text_of_json(json_of(plan), 1) + "\n";
   io::write_atomically(
       folder,

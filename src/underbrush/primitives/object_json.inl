@@ -2,6 +2,7 @@
 /// Objects and boxes as JSON. This file is internal to the module.
 #pragma once
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -57,11 +58,17 @@ inline Json json_of_box(const Box& box) {
   return j;
 }
 
+/// A place of points in a box, m.
+inline double place_of(const io::JsonValue& list, double place_m) {
+  if (!(std::abs(place_m) <= 1e5)) list.fail("must be within 100 km");
+  return place_m;
+}
+
 inline PointLayers::Places places_of_json(const io::JsonValue& list) {
   PointLayers::Places out;
   const std::vector<double> read = list.numbers();
   if (read.size() != out.size()) list.fail("must have 5 numbers");
-  std::ranges::copy(read, out.begin());
+  std::ranges::transform(read, out.begin(), [&](double place) { return place_of(list, place); });
   return out;
 }
 /// Reads the member `layers_m`, or else `quantiles_m`, the places of all points along the axes,
@@ -81,9 +88,9 @@ inline PointLayers layers_of_json(const io::JsonValue& object) {
     if (values.size() != out.z.size()) list->fail("must have 5 places [x, y, z]");
     for (size_t q = 0; q < values.size(); ++q) {
       const Vec3 at = values[q].vector();
-      out.z[q] = at.z();
-      for (auto& places : out.x) places[q] = at.x();
-      for (auto& places : out.y) places[q] = at.y();
+      out.z[q] = place_of(*list, at.z());
+      for (auto& places : out.x) places[q] = place_of(*list, at.x());
+      for (auto& places : out.y) places[q] = place_of(*list, at.y());
     }
   }
   return out;

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <filesystem>
 
 #include "underbrush/sensor/angles.hpp"
@@ -32,14 +33,19 @@ std::vector<Channel> read_channels(const YamlMap& root,
     if (values.size() != channels.size()) map.fail(key, "needs one value per elevation");
     return values;
   };
-  const auto fill = [&](const char* key, double unit, double Channel::*field) {
+  const auto fill = [&](const char* key, double unit, double most, double Channel::*field) {
     if (!map.has(key)) return;
     const std::vector<double> values = values_of(key);
-    for (size_t i = 0; i < values.size(); ++i) channels[i].*field = values[i] * unit;
+    for (size_t i = 0; i < values.size(); ++i) {
+      if (!(std::abs(values[i]) <= most)) {
+        map.fail(key, "must be within ±" + std::to_string(int(most)));
+      }
+      channels[i].*field = values[i] * unit;
+    }
   };
-  fill("azimuth_deg", kDegree, &Channel::azimuth_rad);
-  fill("time_us", 1e-6, &Channel::time_s);
-  fill("z_mm", 1e-3, &Channel::z_m);
+  fill("azimuth_deg", kDegree, 360, &Channel::azimuth_rad);
+  fill("time_us", 1e-6, 1'000'000, &Channel::time_s);
+  fill("z_mm", 1e-3, 10'000, &Channel::z_m);
   if (windows == nullptr) {
     if (map.has("azimuth_from_deg")) map.fail("azimuth_from_deg", "only for a sweep");
     if (map.has("azimuth_to_deg")) map.fail("azimuth_to_deg", "only for a sweep");
