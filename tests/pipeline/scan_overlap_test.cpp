@@ -21,6 +21,7 @@ std::vector<Vec3> scattered(size_t n) {
 TEST(BestMotion, IsTheFirstOfTheLargestShareOfAllMotions) {
   const std::vector<Vec3> later = scattered(300);
   std::vector<Vec3> moved;
+  moved.reserve(later.size());
   const Eigen::Quaterniond truth(Eigen::AngleAxisd(3 * M_PI / 180, Vec3::UnitZ()));
   for (const Vec3& p : later) moved.push_back(truth * p + Vec3(-1.2, 2.8, 0));
   const ScanCells cells(moved);

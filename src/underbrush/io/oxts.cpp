@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "underbrush/core/check.hpp"
 #include "underbrush/io/text.hpp"
 
 namespace underbrush::io {
@@ -85,7 +86,7 @@ std::vector<double> times_of(const fs::path& stamps, const std::vector<fs::path>
     }
     return {};
   }
-  const std::vector<double> times = read_dates(stamps);
+  std::vector<double> times = read_dates(stamps);
   if (times.size() == files.size()) return times;
   if (number.empty() || number.back() >= times.size()) {
     throw FormatError(
@@ -93,6 +94,7 @@ std::vector<double> times_of(const fs::path& stamps, const std::vector<fs::path>
         std::to_string(times.size()) + " times for " + std::to_string(files.size()) + " poses");
   }
   std::vector<double> out;
+  out.reserve(number.size());
   for (const size_t i : number) out.push_back(times[i]);
   return out;
 }

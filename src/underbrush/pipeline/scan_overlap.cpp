@@ -55,9 +55,11 @@ constexpr int kNoCell = -(1 << 29);  // A sum with it is below 0.
 std::vector<std::vector<int>> moved(const std::vector<Vec3>& points, int axis, int stride) {
   std::vector<std::vector<int>> out(2 * kSteps + 1);
   for (int step = -kSteps; step <= kSteps; ++step) {
+    std::vector<int>& cells = out[size_t(step) + kSteps];
+    cells.reserve(points.size());
     for (const Vec3& p : points) {
       const std::optional<int> at = step_of(p[axis] + step * kCell);
-      out[size_t(step + kSteps)].push_back(at ? *at * stride : kNoCell);
+      cells.push_back(at ? *at * stride : kNoCell);
     }
   }
   return out;
@@ -119,13 +121,14 @@ ScanMotion best_motion(const ScanCells& earlier, const std::vector<Vec3>& later)
     const Eigen::Quaterniond rotation(Eigen::AngleAxisd(turn * M_PI / 180, Vec3::UnitZ()));
     const Eigen::Matrix3d matrix = rotation.toRotationMatrix();
     std::vector<Vec3> turned;
+    turned.reserve(later.size());
     for (const Vec3& p : later) turned.push_back(matrix * p);
     const auto along_x = moved(turned, 0, kSide * kSide), along_y = moved(turned, 1, kSide);
     for (int x = -kSteps; x <= kSteps; ++x) {
-      std::vector<int> rest = along_x[size_t(x + kSteps)];
+      std::vector<int> rest = along_x[size_t(x) + kSteps];
       for (size_t i = 0; i < rest.size(); ++i) rest[i] += step_of(turned[i].z()).value_or(kNoCell);
       for (int y = -kSteps; y <= kSteps; ++y) {
-        const double share = earlier.share_of(rest, along_y[size_t(y + kSteps)]);
+        const double share = earlier.share_of(rest, along_y[size_t(y) + kSteps]);
         if (share > best.share) best = {Pose{rotation, Vec3(x * kCell, y * kCell, 0)}, share};
       }
     }
