@@ -35,8 +35,7 @@ bool are_tilted(const std::vector<ScanInfo>& scans);
 /// poses as they are give less than 0.6, warns if a level motion of up to 4 m and 10° from a scan
 /// to the next, or to the third after it, gives 0.2 more than that by the poses
 /// (`best_motion`). A sensor that stands by the poses is also compared 10, 30 and 100 scans later.
-/// Scans of which half of the points have no others in cells beside theirs are too sparse to be
-/// compared.
+/// Nothing is said of scans with fewer than 250 points to compare (`upper_points`).
 std::string warning_of_scans(ScanSource& scans, const std::vector<ScanInfo>& infos);
 
 }  // namespace underbrush::pipeline
