@@ -31,11 +31,12 @@ build:    ## Build the program in Release: build/bin/underbrush
 	@echo "built $(program)"
 
 # Without the Python packages that build the module, as offline, its tests are left out; one line says so.
+# One test more than cores runs, since some wait.
 test: setup    ## Build everything and pass all tests
 	@with=ON; python3 python/tests/environment.py maker --build $(BUILD) > /dev/null || with=OFF; \
 	  $(call quiet,$(configure) $(everything) -DUNDERBRUSH_PYTHON=$$with)
 	@scripts/with_scratch.sh cmake --build $(BUILD) -j $(JOBS)
-	@scripts/with_scratch.sh ctest --test-dir $(BUILD) --output-on-failure --progress -j $(JOBS)
+	@scripts/with_scratch.sh ctest --test-dir $(BUILD) --output-on-failure --progress -j $$(($(JOBS) + 1))
 
 fuzz: setup    ## Mutate inputs of every kind, 10 000 a kind (hours)
 	@$(call quiet,$(configure) $(everything))

@@ -1,9 +1,9 @@
 #include "studies/plane_fit.hpp"
 
-#include <Eigen/Dense>
 #include <cmath>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/core/linear.hpp"
 
 namespace underbrush::studies {
 namespace {
@@ -62,20 +62,20 @@ Plane fit_plane(std::span<const Vec3> points) {
   out.centre = mean_of(points);
   Mat3 scatter = Mat3::Zero();
   for (const Vec3& p : points) scatter += (p - out.centre) * (p - out.centre).transpose();
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes(scatter);
-  require(axes.eigenvalues().y() > kFlat * axes.eigenvalues().z(),
+  const Spectrum<3> axes = spectrum(scatter);
+  require(axes.values.y() > kFlat * axes.values.z(),
           "a plane needs points that do not lie on a line");
-  out.normal = axes.eigenvectors().col(0);
+  out.normal = axes.vectors.col(0);
   Eigen::Index largest;
   out.normal.cwiseAbs().maxCoeff(&largest);
   if (out.normal[largest] < 0) out.normal = -out.normal;
-  out.u = axes.eigenvectors().col(2);
+  out.u = axes.vectors.col(2);
   out.v = out.normal.cross(out.u);
   out.offset_m = out.normal.dot(out.centre);
   const double n = double(points.size());
   for (const Vec3& p : points) out.variance += std::pow(out.normal.dot(p - out.centre), 2);
   out.variance /= n - 3;
-  out.covariance.diagonal() << 1 / n, 1 / axes.eigenvalues().z(), 1 / axes.eigenvalues().y();
+  out.covariance.diagonal() << 1 / n, 1 / axes.values.z(), 1 / axes.values.y();
   out.covariance *= out.variance;
   return out;
 }

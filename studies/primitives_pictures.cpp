@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -8,6 +7,7 @@
 #include "report/pictures.hpp"
 #include "report/svg_plot.hpp"
 #include "studies/primitives.hpp"
+#include "underbrush/core/linear.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/primitives/thumbnail.hpp"
 
@@ -90,14 +90,14 @@ void draw(const Slice& slice, const elements::Model& model, const elements::Inst
         double(at.scale * at.scale) * turn * e.covariance_matrix() * turn.transpose();
     Eigen::Matrix<double, 2, 3> flat;
     flat << slice.along.transpose(), Vec3::UnitZ().transpose();
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(flat * sigma * flat.transpose());
+    const Spectrum<2> axes = spectrum(Eigen::Matrix2d(flat * sigma * flat.transpose()));
     report::SvgPlot::Points outline;
     const auto [x, z] = slice.at(mean);
     for (int k = 0; k <= 16; ++k) {
       const double a = 2 * M_PI * k / 16;
       const Eigen::Vector2d d =
-          eigen.eigenvectors() * (2 * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().cwiseProduct(
-                                          Eigen::Vector2d(std::cos(a), std::sin(a))));
+          axes.vectors * (2 * axes.values.cwiseMax(0).cwiseSqrt().cwiseProduct(
+                                  Eigen::Vector2d(std::cos(a), std::sin(a))));
       outline.emplace_back(x + d.x(), z + d.y());
     }
     svg.line(outline, "#5a5");

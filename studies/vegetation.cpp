@@ -45,12 +45,14 @@ double surface_distance(const std::vector<Contender>& contenders, const TargetSc
   return least;
 }
 
-StaticScanOptions scan_options(const StudyRun& run) {
+/// The limit of the planes needs all measurements, also in a quick study.
+StaticScanOptions scan_options(const StudyRun& run, const std::string& target) {
   StaticScanOptions options;
   options.seed = run.seed;
   if (run.quick) {
     options.bearings = 10;
     options.most_lasers = 3;
+    if (target != "planes") options.measurements = 500;
     options.margin_lasers = 1;
     options.margin_bearings = 2;
   }
@@ -199,7 +201,7 @@ void add_static_targets(const StudyRun& run, const std::vector<std::string>& nam
   std::vector<TargetScores> targets;
   double rate = 1;
   for (const std::string& name : names) {
-    const StaticScan scan = scan_target(name, scan_options(run));
+    const StaticScan scan = scan_target(name, scan_options(run, name));
     rate = scan.sensor.beams_per_s();
     run.say(fmt::format("{}: {} directions, {} beams train, {} test", name, scan.directions,
                         scan.train.size(), scan.test.size()));

@@ -104,7 +104,7 @@ BeamLog from_tripods(BeamLog beams, const test_site::Site& site, uint64_t seed) 
 /// Drives through the site. Every fourth scan trains, and the scans in the middle between them make
 /// the views.
 SiteLogs site_logs(const StudyRun& run, const GeneratedSite& site) {
-  SiteDrive drive(site, sensor::load("velodyne-hdl64e"), run.seed);
+  SiteDrive drive(site, sensor::load(run.quick ? "velodyne-hdl32e" : "velodyne-hdl64e"), run.seed);
   SiteLogs out;
   BeamLog chunk, between;
   size_t done = 0;

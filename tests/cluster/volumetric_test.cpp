@@ -4,15 +4,13 @@
 #include <gtest/gtest.h>
 #include <malloc.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
 #include <atomic>
 #include <cstdlib>
 #include <new>
 #include <ostream>
 
+#include "underbrush/core/linear.hpp"
 #include "underbrush/core/rng.hpp"
 
 namespace {
@@ -98,9 +96,9 @@ Cloud cloud_of(const std::vector<Blob>& blobs, int points, uint64_t seed) {
 }
 
 double log_normal(const Vec3& x, const Vec3& mean, const Mat3& sigma) {
-  const Eigen::LLT<Mat3> l(sigma);
-  const Vec3 r = l.matrixL().solve(x - mean);
-  const double root = l.matrixLLT().diagonal().array().log().sum();
+  const Mat3 l = cholesky(sigma);
+  const Vec3 r = l.triangularView<Eigen::Lower>().solve(x - mean);
+  const double root = l.diagonal().array().log().sum();
   return -0.5 * r.squaredNorm() - root - 1.5 * std::log(2 * M_PI);
 }
 
@@ -115,7 +113,7 @@ void expect_sound(const Volumes& v, const VolumetricOptions& options) {
     ASSERT_TRUE(e.mean.allFinite());
     const Mat3 sigma = e.covariance_matrix();
     ASSERT_TRUE(sigma.allFinite());
-    const double least = Eigen::SelfAdjointEigenSolver<Mat3>(sigma).eigenvalues()[0];
+    const double least = eigenvalues(sigma)[0];
     EXPECT_GE(least, 0.99 * floor * floor - 1e-6 * sigma.trace());
   }
 }

@@ -2,9 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
-
 #include "trace/scenes.hpp"
+#include "underbrush/core/linear.hpp"
 
 namespace underbrush::elements {
 namespace {
@@ -42,8 +41,8 @@ TEST(FlooredCovariance, RaisesOnlyTheEigenvaluesBelowTheFloor) {
   for (int i = 0; i < 100; ++i) {
     Mat3 sigma = trace::random_covariance(random, 0.001, 1);
     const Mat3 out = floored_covariance(sigma, 0.02);
-    const Vec3 before = Eigen::SelfAdjointEigenSolver<Mat3>(sigma).eigenvalues();
-    const Vec3 after = Eigen::SelfAdjointEigenSolver<Mat3>(out).eigenvalues();
+    const Vec3 before = eigenvalues(sigma);
+    const Vec3 after = eigenvalues(out);
     for (int k = 0; k < 3; ++k) {
       EXPECT_NEAR(after[k], std::max(before[k], 4e-4), 1e-9 * (1 + before[2]));
     }

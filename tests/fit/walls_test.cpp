@@ -1,11 +1,11 @@
 // Walls, of which the thickness and the space between the beams are known.
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "underbrush/core/linear.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/fit/fit.hpp"
 #include "underbrush/simulate/simulate.hpp"
@@ -40,8 +40,7 @@ TEST(FitOfAWall, IsAsThinAsItsNoise) {
   ASSERT_GT(model.ellipsoids.size(), 1000u);
   std::vector<double> thickness;
   for (const elements::Ellipsoid& e : model.ellipsoids) {
-    const Eigen::SelfAdjointEigenSolver<Mat3> axes(e.covariance_matrix());
-    thickness.push_back(std::sqrt(axes.eigenvalues()[0]));
+    thickness.push_back(std::sqrt(eigenvalues(e.covariance_matrix())[0]));
   }
   std::nth_element(thickness.begin(), thickness.begin() + ptrdiff_t(thickness.size() / 2),
                    thickness.end());

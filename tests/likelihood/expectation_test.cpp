@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "underbrush/core/beam_log.hpp"
+#include "underbrush/core/linear.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/likelihood/maximisation.hpp"
 #include "underbrush/metrics/predictive.hpp"
@@ -222,7 +223,7 @@ TEST(ElementSums, SlopesAreTheDerivativesOfTheExpectedLogLikelihood) {
     }
     return (at[1] - at[0]) / (2 * step);
   };
-  const Mat3 l = Eigen::LLT<Mat3>(e.covariance_matrix()).matrixL();
+  const Mat3 l = cholesky(e.covariance_matrix());
   EXPECT_NEAR(slope([](auto& x, double h) { x.density_per_m *= float(std::exp(h)); }),
               s.density_slope, 0.02);
   for (int k = 0; k < 3; ++k) {

@@ -2,11 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "likelihood/beams_above_ground.hpp"
+#include "underbrush/core/linear.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/fit/fit.hpp"
@@ -14,9 +14,7 @@
 namespace underbrush::likelihood {
 namespace {
 
-Vec3 extents(const Mat3& covariance) {
-  return Eigen::SelfAdjointEigenSolver<Mat3>(covariance).eigenvalues().cwiseSqrt();
-}
+Vec3 extents(const Mat3& covariance) { return eigenvalues(covariance).cwiseSqrt(); }
 
 /// Evidence of very different weights, all of the density 0.5 1/m.
 std::vector<Evidence> evidence_of(size_t count) {

@@ -2,6 +2,7 @@
 
 #include "simulate/targets.hpp"
 #include "trace/scenes.hpp"
+#include "underbrush/core/linear.hpp"
 #include "underbrush/sensor/angles.hpp"
 #include "underbrush/sensor/pattern.hpp"
 
@@ -166,7 +167,7 @@ TEST(Motion, ABeamAloneMeetsWhatItMeetsAmongOthers) {
     std::vector<StampedPose> poses;
     for (int j = 0; j < 4; ++j) {
       const Vec3 turn = somewhere(1), at = somewhere(30);
-      poses.push_back({0.3 * j, {Eigen::Quaterniond::FromTwoVectors(Vec3::UnitX(), turn), at}});
+      poses.push_back({0.3 * j, {turn_between(Vec3::UnitX(), turn), at}});
     }
     movers.push_back({k, Trajectory(std::move(poses))});
   }

@@ -2,11 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <cmath>
 #include <vector>
 
 #include "studies/planar_patches.hpp"
+#include "underbrush/core/linear.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/metrics/normals.hpp"
 
@@ -72,19 +72,21 @@ TEST(PlaneFit, CovarianceIsThatOfTheEstimates) {
 TEST(PlaneFit, HeightPlaneIsTheNormalEquations) {
   Stream random(3);
   std::vector<Vec3> points;
-  Eigen::MatrixXd a(200, 3);
-  Eigen::VectorXd l(200);
+  Mat3 normal = Mat3::Zero();
+  Vec3 right = Vec3::Zero();
   for (int i = 0; i < 200; ++i) {
     Vec3 p(random.uniform(-1, 1), random.uniform(23, 25), 0);
     p.z() = 0.3 * p.x() - 0.17 * p.y() + 4.6 + 0.01 * random.normal();
     points.push_back(p);
-    a.row(i) << p.x(), p.y(), 1;
-    l[i] = p.z();
+    const Vec3 row(p.x(), p.y(), 1);
+    normal += row * row.transpose();
+    right += p.z() * row;
   }
   const HeightPlane plane = fit_height_plane(points);
-  const Mat3 inverse = (a.transpose() * a).inverse();
-  const Vec3 xi = inverse * a.transpose() * l;
-  const double variance = (a * xi - l).squaredNorm() / 197;
+  const Mat3 inverse = normal.inverse();
+  const Vec3 xi = inverse * right;
+  double variance = 0;
+  for (const Vec3& p : points) variance += std::pow(xi.dot(Vec3(p.x(), p.y(), 1)) - p.z(), 2) / 197;
   EXPECT_TRUE(plane.parameters.isApprox(xi, 1e-9));
   EXPECT_NEAR(plane.variance, variance, 1e-12);
   EXPECT_TRUE(plane.covariance.isApprox(variance * inverse, 1e-6));
@@ -148,7 +150,7 @@ TEST(PlanarPatches, FindsTheSidesOfABoxAndNothingInABush) {
 TEST(Normals, AreTheDirectionOfLeastSpreadForEverySurface) {
   Stream random(6);
   for (const Vec3& n : {Vec3(0, 0, 1), Vec3(0, -1, 0), Vec3(1, 0, 0), Vec3(1, -2, 0.5)}) {
-    const Mat3 frame = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), n).toRotationMatrix();
+    const Mat3 frame = turn_between(Vec3::UnitZ(), n).toRotationMatrix();
     for (const double width : {1.0, 0.05}) {  // round, and nearly a line
       std::vector<Vec3f> cloud;
       for (int i = 0; i < 60; ++i) {

@@ -29,6 +29,8 @@ Vec3 quick_eigenvalues(const Mat3& symmetric);
 Mat3 cholesky(const Mat3& sigma);
 /// Whether all eigenvalues are positive.
 bool is_positive_definite(const Mat3& symmetric);
+/// Whether they are, for any size.
+bool is_positive_definite(const Eigen::MatrixXd& symmetric);
 
 /// The solution x of Σ x = b for a positive definite matrix, by Cholesky's decomposition with
 /// pivots.
@@ -37,5 +39,8 @@ Vec3 solve(const Mat3& sigma, const Vec3& b);
 Eigen::Vector4d solve(const Eigen::Matrix4d& sigma, const Eigen::Vector4d& b);
 /// The inverse of a positive definite matrix, by the same decomposition.
 Eigen::MatrixXd inverse(const Eigen::MatrixXd& sigma);
+
+/// The rotation by the least angle that turns the direction of `from` into that of `to`.
+Eigen::Quaterniond turn_between(const Vec3& from, const Vec3& to);
 
 }  // namespace underbrush

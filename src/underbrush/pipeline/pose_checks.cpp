@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "underbrush/core/cells.hpp"
+#include "underbrush/core/linear.hpp"
 #include "underbrush/pipeline/check_values.hpp"
 #include "underbrush/pipeline/scan_overlap.hpp"
 
@@ -96,8 +97,7 @@ struct MotionFit {
 
 /// The turn from the sensor's frame to one whose z axis is that of the world.
 Eigen::Quaterniond upright_of(const ScanInfo& scan) {
-  return Eigen::Quaterniond::FromTwoVectors(
-      scan.world_from_sensor.rotation.inverse() * Vec3::UnitZ(), Vec3::UnitZ());
+  return turn_between(scan.world_from_sensor.rotation.inverse() * Vec3::UnitZ(), Vec3::UnitZ());
 }
 
 /// Nothing where a scan is too sparse to tell.
