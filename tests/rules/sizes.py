@@ -12,7 +12,7 @@ ROOMS = {
     "apps": 5935, "apps/fmu": 1800, "apps/underbrush": 4400, "bench": 3530, "cli": 1700, "python/src": 3760, "python/underbrush":
     10380, "report": 2900, "studies": 9550, "web/src": 7750, "src/underbrush/actors": 1480,
     "src/underbrush/calibrate": 2465,
-    "src/underbrush/cluster": 1710, "src/underbrush/compact": 1900, "src/underbrush/core": 2940, "src/underbrush/credit": 1100,
+    "src/underbrush/cluster": 1710, "src/underbrush/compact": 1900, "src/underbrush/core": 2930, "src/underbrush/credit": 1100,
     "src/underbrush/elements": 2615, "src/underbrush/fit": 2405, "src/underbrush/ground": 2000, "src/underbrush/io":
     9345, "src/underbrush/jobs": 2000, "src/underbrush/keyframes": 2095, "src/underbrush/library": 500, "src/underbrush/likelihood": 2200, "src/underbrush/live": 1150, "src/underbrush/metrics": 3145,
     "src/underbrush/movers": 700, "src/underbrush/optimize": 700, "src/underbrush/osi": 5170,

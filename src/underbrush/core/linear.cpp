@@ -38,10 +38,6 @@ bool is_positive_definite(const Mat3& symmetric) {
   return Eigen::LLT<Mat3>(symmetric).info() == Eigen::Success;
 }
 
-bool is_positive_definite(const Eigen::MatrixXd& symmetric) {
-  return Eigen::LLT<Eigen::MatrixXd>(symmetric).info() == Eigen::Success;
-}
-
 Vec3 solve(const Mat3& sigma, const Vec3& b) { return sigma.ldlt().solve(b); }
 
 Eigen::Vector4d solve(const Eigen::Matrix4d& sigma, const Eigen::Vector4d& b) {

@@ -29,8 +29,6 @@ Vec3 quick_eigenvalues(const Mat3& symmetric);
 Mat3 cholesky(const Mat3& sigma);
 /// Whether all eigenvalues are positive.
 bool is_positive_definite(const Mat3& symmetric);
-/// Whether they are, for any size.
-bool is_positive_definite(const Eigen::MatrixXd& symmetric);
 
 /// The solution x of Σ x = b for a positive definite matrix, by Cholesky's decomposition with
 /// pivots.
