@@ -90,11 +90,11 @@ pictures: build    ## The pictures of the browser page in docs/images (needs Chr
 bench: setup   ## Build and run the benchmarks
 	@$(call quiet,$(configure) $(everything))
 	@cmake --build $(BUILD) -j $(JOBS)
-	@set -e; for b in $$(find $(BUILD)/bin -maxdepth 1 -name 'bench_*' -type f | sort); do echo "== $$b"; $$b; done
+	@set -e; for b in $$(find $(BUILD)/bin -maxdepth 1 -name 'bench_*' -type l | sort); do echo "== $$b"; $$b; done
 
 gates: setup   ## Count the instructions of tracing, echoes and five verbs, and compare with bench/gates.txt (half an hour)
 	@$(call quiet,$(configure) $(everything))
-	@cmake --build $(BUILD) --target underbrush bench_trace bench_echoes -j $(JOBS)
+	@cmake --build $(BUILD) --target underbrush bench -j $(JOBS)
 	@bench/gates.py --bin $(BUILD)/bin
 
 results:  ## Make every table of figures in the documentation anew and compare it (hours)

@@ -10,6 +10,8 @@
 #include <nlohmann/json.hpp>
 
 #include "command_line.hpp"
+#include "programs.hpp"
+#include "run.hpp"
 #include "timing.hpp"
 #include "trace_scenes.hpp"
 #include "underbrush/core/parallel.hpp"
@@ -31,12 +33,6 @@ struct Measured {
   double seconds = 0, cpu_s = 0;
   size_t beams = 0, hits = 0, echoes = 0;
 };
-
-double cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
-}
 
 Measured answer(simulate::EchoMaker& maker, const std::vector<BeamLog>& fired) {
   Measured m;
@@ -125,12 +121,9 @@ void report(const nlohmann::ordered_json& j) {
 }
 
 }  // namespace
-}  // namespace underbrush::bench
 
 // long: a list of options and one table of figures.
-int main(int argc, char** argv) {
-  using namespace underbrush;
-  using namespace underbrush::bench;
+int bench_echoes(int argc, char** argv) {
   CommandLine line("Beams a second of the whole instrument");
   int sub_rays = 41, threads = 0, rounds = 5, passes = 0;
   size_t ellipsoids = 100000, triangles = 100000;
@@ -213,3 +206,5 @@ int main(int argc, char** argv) {
   line.write(j);
   return 0;
 }
+
+}  // namespace underbrush::bench

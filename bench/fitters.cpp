@@ -10,14 +10,15 @@
 #include <nlohmann/json.hpp>
 
 #include "command_line.hpp"
+#include "programs.hpp"
 #include "site.hpp"
 #include "timing.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/pipeline/fit_model.hpp"
 
+namespace underbrush::bench {
 namespace {
-using namespace underbrush;
 
 /// Returns the least time of some runs, by the clock or, on a busy machine, as processor time over
 /// threads.
@@ -26,7 +27,7 @@ double least_seconds(int runs, bool processor, int used_threads, F f) {
   double least = INFINITY;
   for (int k = 0; k < runs; ++k) {
     const std::clock_t start = std::clock();
-    const double clock_s = bench::seconds_of(f);
+    const double clock_s = seconds_of(f);
     const double processor_s = double(std::clock() - start) / CLOCKS_PER_SEC / used_threads;
     least = std::min(least, processor ? processor_s : clock_s);
   }
@@ -93,8 +94,8 @@ void time_clustering(const Method& m, const std::vector<Tile>& tiles, size_t poi
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  bench::CommandLine line("Fitting speed of each method");
+int bench_fitters(int argc, char** argv) {
+  CommandLine line("Fitting speed of each method");
   std::string log_file;
   int runs = 3;
   bool quick = false, processor = false;
@@ -106,8 +107,7 @@ int main(int argc, char** argv) {
            "Measure processor time over threads instead of the clock's time");
   if (const auto end = line.parse(argc, argv)) return *end;
 
-  const BeamLog log =
-      log_file.empty() ? bench::scanned_site(quick ? 0.5 : 4) : io::read_log(log_file);
+  const BeamLog log = log_file.empty() ? scanned_site(quick ? 0.5 : 4) : io::read_log(log_file);
   if (quick) runs = 1;
   const std::vector<Tile> tiles = tiles_of(log);
   size_t points = 0;
@@ -137,10 +137,10 @@ int main(int argc, char** argv) {
       std::printf(" %9.3f", rate / 1e6);
       std::fflush(stdout);
     }
-    j["hdl64e_realtime_multiple"] = rate / bench::kHdl64eBeamsPerS;
+    j["hdl64e_realtime_multiple"] = rate / kHdl64eBeamsPerS;
     j["growth_exponent"] = growth;
     j["elements"] = elements;
-    std::printf(" %8.2f %8.2f %9zu", growth, rate / bench::kHdl64eBeamsPerS, elements);
+    std::printf(" %8.2f %8.2f %9zu", growth, rate / kHdl64eBeamsPerS, elements);
     if (cluster::clustering_named(m.options.fitter))
       time_clustering(m, tiles, points, runs, processor, voxel_s, j);
     std::printf("\n");
@@ -148,3 +148,5 @@ int main(int argc, char** argv) {
   line.write(results);
   return 0;
 }
+
+}  // namespace underbrush::bench

@@ -5,6 +5,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "programs.hpp"
 #include "run.hpp"
 #include "timing.hpp"
 #include "underbrush/core/parallel.hpp"
@@ -114,10 +115,8 @@ Json bench_chain(size_t beams, size_t rays, int runs) {
 }
 
 }  // namespace
-}  // namespace underbrush::bench
 
-int main(int argc, char** argv) {
-  using namespace underbrush::bench;
+int bench_fmu(int argc, char** argv) {
   return run(argc, argv, "Speed of the FMU's work on a SensorView", 20, [](int runs) {
     Json j;
     j["threads"] = underbrush::threads();
@@ -126,3 +125,5 @@ int main(int argc, char** argv) {
     return j;
   });
 }
+
+}  // namespace underbrush::bench

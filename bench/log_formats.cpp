@@ -6,13 +6,14 @@
 #include <nlohmann/json.hpp>
 
 #include "command_line.hpp"
+#include "programs.hpp"
 #include "site.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/temporary.hpp"
 #include "underbrush/io/log_file.hpp"
 
+namespace underbrush::bench {
 namespace {
-using namespace underbrush;
 namespace fs = std::filesystem;
 
 constexpr double kRowBytes = 63;  // in memory, without extra columns
@@ -47,8 +48,8 @@ nlohmann::ordered_json measured(const BeamLog& log, const fs::path& file, int ru
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  bench::CommandLine line("Bytes and speed of ray clouds and compact logs, a core");
+int bench_log_formats(int argc, char** argv) {
+  CommandLine line("Bytes and speed of ray clouds and compact logs, a core");
   std::vector<std::string> logs;
   int runs = 3;
   line.add("LOGS", &logs, "Logs; default: a generated site, scanned by an HDL-64E");
@@ -67,8 +68,10 @@ int main(int argc, char** argv) {
       j[name][ending] = m;
     }
   };
-  if (logs.empty()) measure("generated site", bench::scanned_site(1));
+  if (logs.empty()) measure("generated site", scanned_site(1));
   for (const std::string& log : logs) measure(log, io::read_log(log));
   line.write(j);
   return 0;
 }
+
+}  // namespace underbrush::bench

@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "command_line.hpp"
+#include "programs.hpp"
 #include "timing.hpp"
 #include "underbrush/core/parallel.hpp"
 #include "underbrush/core/rng.hpp"
@@ -20,8 +21,8 @@
 #include "underbrush/serve/label_document.hpp"
 #include "underbrush/serve/selection.hpp"
 
+namespace underbrush::bench {
 namespace {
-using namespace underbrush;
 
 /// A vehicle's scans of a hilly ground with trees along a road of 40 m for a million points.
 class Drive : public BeamSource {
@@ -118,13 +119,13 @@ LassoTimes lasso_times(const serve::OctreeFile& file, const std::filesystem::pat
   action.label = 2;
   LassoTimes out;
   std::optional<serve::FoundRows> found;
-  out.find_s = bench::seconds_of(
-      [&] { found.emplace(find_rows(file, cubes, selection, document.values())); });
+  out.find_s =
+      seconds_of([&] { found.emplace(find_rows(file, cubes, selection, document.values())); });
   serve::LabelChange change;
   out.change_s =
-      bench::seconds_of([&] { change = change_of(*found, selection, action, document.values()); });
+      seconds_of([&] { change = change_of(*found, selection, action, document.values()); });
   out.rows = change.size();
-  out.keep_s = bench::seconds_of([&] { document.change(change); });
+  out.keep_s = seconds_of([&] { document.change(change); });
   out.journal_bytes = document.journal().bytes();
   return out;
 }
@@ -155,8 +156,8 @@ void measure_lassos(const std::filesystem::path& octree, const std::filesystem::
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  bench::CommandLine line("Building the octree of a generated log");
+int bench_octree(int argc, char** argv) {
+  CommandLine line("Building the octree of a generated log");
   double millions = 10;
   std::string folder = ".";
   bool quick = false;
@@ -168,17 +169,17 @@ int main(int argc, char** argv) {
 
   Drive log(size_t(1e6 * (quick ? 1 : millions)));
   const TemporaryPath place(folder, "octree");
-  const double read_s = bench::seconds_of([&] {
+  const double read_s = seconds_of([&] {
     for (BeamLog chunk; log.next(chunk);) {
     }
   });
   const double before_s = usage_so_far().processor_s;
-  const double build_s = bench::seconds_of([&] { serve::build_octree(log, place.path()); });
+  const double build_s = seconds_of([&] { serve::build_octree(log, place.path()); });
   const Usage usage = usage_so_far();
   const double processor_s = usage.processor_s - before_s;
   uint64_t first = 0, bytes = 0;
   size_t nodes = 0;
-  const double open_s = bench::seconds_of([&] {
+  const double open_s = seconds_of([&] {
     const serve::OctreeFile file(place.path());
     nodes = file.nodes().size();
     bytes = file.bytes();
@@ -214,3 +215,5 @@ int main(int argc, char** argv) {
   line.write(j);
   return 0;
 }
+
+}  // namespace underbrush::bench

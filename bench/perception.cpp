@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "programs.hpp"
 #include "run.hpp"
 #include "studies/intersection.hpp"
 #include "timing.hpp"
@@ -110,10 +111,8 @@ Json bench_intersection(int runs) {
 }
 
 }  // namespace
-}  // namespace underbrush::bench
 
-int main(int argc, char** argv) {
-  using namespace underbrush::bench;
+int bench_perception(int argc, char** argv) {
   return run(argc, argv, "Speed of perception", 5, [](int runs) {
     Json j = bench_stages(200, 100000, 10 * runs);
     j["threads"] = underbrush::threads();
@@ -121,3 +120,5 @@ int main(int argc, char** argv) {
     return j;
   });
 }
+
+}  // namespace underbrush::bench

@@ -10,6 +10,7 @@
 
 #include "command_line.hpp"
 #include "embree.hpp"
+#include "programs.hpp"
 #include "site.hpp"
 #include "timing.hpp"
 #include "underbrush/core/parallel.hpp"
@@ -17,11 +18,8 @@
 #include "underbrush/pipeline/fit_model.hpp"
 #include "underbrush/pipeline/simulation.hpp"
 
+namespace underbrush::bench {
 namespace {
-using namespace underbrush;
-
-using bench::kHdl64eBeamsPerS;
-using bench::seconds_of;
 
 /// Returns the median rate (items/s) of several runs.
 template <class F>
@@ -29,7 +27,7 @@ double median_rate(size_t items, int runs, F f) {
   std::vector<double> rates;
   rates.reserve(size_t(runs));
   for (int k = 0; k < runs; ++k) rates.push_back(double(items) / seconds_of(f));
-  return bench::median(rates);
+  return median(rates);
 }
 
 /// The median rate of simulation in memory (beams/s), with keyframes or without them.
@@ -44,8 +42,8 @@ double simulation_rate(const pipeline::TracedWorld& world, const BeamLog& log, i
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  bench::CommandLine line("Speed of fit and simulate against the sensor's rate and Embree");
+int bench_pipeline(int argc, char** argv) {
+  CommandLine line("Speed of fit and simulate against the sensor's rate and Embree");
   std::string log_file;
   int runs = 5;
   bool quick = false;
@@ -55,8 +53,7 @@ int main(int argc, char** argv) {
   line.add("--quick", &quick, "Measure a small case");
   if (const auto end = line.parse(argc, argv)) return *end;
 
-  const BeamLog log =
-      log_file.empty() ? bench::scanned_site(quick ? 0.5 : 4) : io::read_log(log_file);
+  const BeamLog log = log_file.empty() ? scanned_site(quick ? 0.5 : 4) : io::read_log(log_file);
   if (quick) runs = 1;
   pipeline::FittedModel fitted;
   const double fit_rate = median_rate(log.size(), runs, [&] {
@@ -69,7 +66,7 @@ int main(int argc, char** argv) {
       seconds_of([&] { world = std::make_unique<pipeline::TracedWorld>(model); });
   const double simulate_rate = simulation_rate(*world, log, runs, true),
                bare_rate = simulation_rate(*world, log, runs, false);
-  const bench::Embree embree(model.ground);
+  const Embree embree(model.ground);
   std::vector<Ray> rays;
   for (size_t i = 0; i < log.size(); ++i) {
     rays.push_back({log.origin[i] - model.origin, log.direction[i].cast<double>()});
@@ -78,7 +75,7 @@ int main(int argc, char** argv) {
   const double embree_rate = median_rate(log.size(), runs, [&] {
     parallel_for(rays.size(), 4096, [&](size_t begin, size_t end) {
       const size_t n = end - begin;
-      embree.closest_hits({&rays[begin], n}, bench::EmbreeMode::kSingle, 120, {&range[begin], n});
+      embree.closest_hits({&rays[begin], n}, EmbreeMode::kSingle, 120, {&range[begin], n});
     });
   });
 
@@ -102,3 +99,5 @@ int main(int argc, char** argv) {
   line.write(j);
   return 0;
 }
+
+}  // namespace underbrush::bench

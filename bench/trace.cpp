@@ -14,6 +14,7 @@
 #include "curves.hpp"
 #include "embree.hpp"
 #include "machine.hpp"
+#include "programs.hpp"
 #include "trace_scenes.hpp"
 #include "underbrush/core/parallel.hpp"
 
@@ -220,10 +221,8 @@ Json measure_all(Bench& bench, size_t middle, bool quick) {
 }
 
 }  // namespace
-}  // namespace underbrush::bench
 
-int main(int argc, char** argv) {
-  using namespace underbrush::bench;
+int bench_trace(int argc, char** argv) {
   CommandLine line("Speed of the tracing engine against Embree and real sensors");
   std::string plot_file;
   int rounds = 5;
@@ -266,3 +265,5 @@ int main(int argc, char** argv) {
   line.write(out);
   return 0;
 }
+
+}  // namespace underbrush::bench

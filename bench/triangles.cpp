@@ -11,6 +11,7 @@
 #include "curves.hpp"
 #include "embree.hpp"
 #include "machine.hpp"
+#include "programs.hpp"
 #include "trace_scenes.hpp"
 #include "triangle_scenes.hpp"
 #include "underbrush/core/parallel.hpp"
@@ -97,7 +98,7 @@ Json measure(const std::string& name, const elements::Model& model, int rounds) 
   return j;
 }
 
-void print(const Json& j) {
+void print_rivals(const Json& j) {
   std::printf("%s, %zu triangles, %zu rays, %.0f %% hits\n", j["world"].get<std::string>().c_str(),
               j["triangles"].get<size_t>(), j["rays"].get<size_t>(),
               100 * j["hit_share"].get<double>());
@@ -115,10 +116,8 @@ void print(const Json& j) {
 }
 
 }  // namespace
-}  // namespace underbrush::bench
 
-int main(int argc, char** argv) {
-  using namespace underbrush::bench;
+int bench_triangles(int argc, char** argv) {
   CommandLine line("Speed of the tracing engine in worlds of triangles, against Embree");
   std::string plot_file, isa = "avx2";
   std::vector<std::string> worlds(std::begin(kTriangleWorlds), std::end(kTriangleWorlds));
@@ -142,7 +141,7 @@ int main(int argc, char** argv) {
   for (const std::string& world : worlds) {
     for (const size_t n : sizes) {
       cases.push_back(measure(world, triangle_world(world, n), rounds));
-      print(cases.back());
+      print_rivals(cases.back());
     }
   }
   if (!plot_file.empty()) {
@@ -151,3 +150,5 @@ int main(int argc, char** argv) {
   line.write(Json{{"machine", on}, {"cases", cases}});
   return 0;
 }
+
+}  // namespace underbrush::bench

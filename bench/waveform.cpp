@@ -8,11 +8,12 @@
 #include <nlohmann/json.hpp>
 
 #include "command_line.hpp"
+#include "programs.hpp"
 #include "underbrush/core/rng.hpp"
 #include "underbrush/radiometry/receiver.hpp"
 
+namespace underbrush::bench {
 namespace {
-using namespace underbrush;
 
 /// Ranges of the sub-rays of many beams, and their reflection factors.
 struct Returns {
@@ -81,8 +82,8 @@ const std::vector<std::string> kKinds{"surface", "edge", "leaves_2m", "leaves_20
 }  // namespace
 
 // long: a list of options and one table of figures.
-int main(int argc, char** argv) {
-  bench::CommandLine line("Waveform and detection, ns per beam on one thread");
+int bench_waveform(int argc, char** argv) {
+  CommandLine line("Waveform and detection, ns per beam on one thread");
   int sub_rays = 41, beams = 2000, runs = 50;
   std::string pass, sensor_name = "ouster-os1-64";
   line.add("--sub-rays", &sub_rays, "Sub-rays of each beam");
@@ -147,3 +148,5 @@ int main(int argc, char** argv) {
   line.write(j);
   return 0;
 }
+
+}  // namespace underbrush::bench

@@ -9,7 +9,7 @@ LIMITS = {".hpp": 200, ".inl": 400, ".cpp": 400, ".py": 400, ".ts": 400}
 # The most lines of C++, Python and TypeScript of each room: a limit is raised only together with a feature
 # that users get, and in the same commit.
 ROOMS = {
-    "apps": 5935, "apps/fmu": 1800, "apps/underbrush": 4400, "bench": 3530, "cli": 1700, "python/src": 3760, "python/underbrush":
+    "apps": 5935, "apps/fmu": 1800, "apps/underbrush": 4400, "bench": 3570, "cli": 1700, "python/src": 3760, "python/underbrush":
     10380, "report": 2900, "studies": 9550, "web/src": 7750, "src/underbrush/actors": 1480,
     "src/underbrush/calibrate": 2465,
     "src/underbrush/cluster": 1710, "src/underbrush/compact": 1900, "src/underbrush/core": 2930, "src/underbrush/credit": 1100,
