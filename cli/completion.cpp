@@ -84,6 +84,12 @@ std::string bash_script(const CLI::App& program, const Suggestions& suggestions)
   return fmt::format(R"(# bash completion of {0}:  source <({0} completion bash)
 _{0}() {{
   local current=${{COMP_WORDS[COMP_CWORD]}} previous=${{COMP_WORDS[COMP_CWORD-1]}} words=''
+  # Bash takes --option=value for three words.
+  if [ "$current" = '=' ]; then
+    current=''
+  elif [ "$previous" = '=' ]; then
+    previous=${{COMP_WORDS[COMP_CWORD-2]}}
+  fi
   COMPREPLY=()
   if [ "$COMP_CWORD" -eq 1 ]; then
     COMPREPLY=($(compgen -W {1} -- "$current"))

@@ -50,6 +50,8 @@ class Completion(cli_test.Failing):
     def test_bash_offers_the_words_of_a_choice(self):
         self.assertEqual(bash(self.folder, "underbrush", "fit", "--fitter", "su"), ["surface"])
         self.assertEqual(sorted(bash(self.folder, "underbrush", "completion", "")), ["bash", "fish", "zsh"])
+        self.assertEqual(bash(self.folder, "underbrush", "fit", "--fitter", "=", "su"), ["surface"])
+        self.assertIn("surface", bash(self.folder, "underbrush", "fit", "--fitter", "="))
 
     def test_bash_offers_the_sensors_of_the_catalogue_and_files(self):
         self.assertEqual(bash(self.folder, "underbrush", "import", "a.bin", "--infer-misses", "velodyne-vlp1"),

@@ -32,6 +32,11 @@ const std::filesystem::path& checked_log_path(const std::filesystem::path& path)
   for (const char* mesh : {".obj", ".gltf", ".glb", ".stl"}) {
     if (extension == mesh) fail("is a mesh, expected a log: 'underbrush simulate' takes meshes");
   }
+  if (extension == ".txt" && std::filesystem::exists(path, error)) {
+    fail(
+        "is a text, expected a log (.ply, .ublog): poses are given by --trajectory or --poses, and "
+        "'underbrush import' makes a log of points");
+  }
   if (is_recording(path)) fail(kRecording);
   for (const char* other : {".pcd", ".bin", ".npy", ".npz", ".csv", ".xyz", ".gz"}) {
     if (extension != other) continue;
