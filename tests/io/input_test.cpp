@@ -374,16 +374,8 @@ TEST(Export, KittiFolderComesBack) {
   EXPECT_EQ(folder.entries(), 1u);
 }
 
-TEST(Input, ModelsScenesAndTextsAreNoLogs) {
+TEST(Input, ModelsAndScenesAreNoLogs) {
   const TemporaryFolder folder;
-  put_bytes(folder / "poses.txt", "0 0 0 0 0 0 0 1\n");
-  try {
-    LogReader(folder / "poses.txt");
-    FAIL();
-  } catch (const FormatError& error) {
-    EXPECT_NE(std::string(error.what()).find("poses are given by --trajectory"), std::string::npos)
-        << error.what();
-  }
   for (const std::string kind : {"model", "scene"}) {
     put_bytes(folder / kind / (kind + ".json"), "{}");
     put_bytes(folder / kind / "ground.ply", "ply");

@@ -338,5 +338,16 @@ TEST(LogFile, FullDiskLeavesNothing) {
   EXPECT_THROW(write_log(folder / "no/such/folder/a.ply", log, ""), IoError);
 }
 
+TEST(LogFile, APosesFileSaysWhichOptionTakesIt) {
+  const TemporaryFolder folder;
+  put_bytes(folder / "poses.txt", "0 0 0 0 0 0 0 1\n");
+  try {
+    LogReader(folder / "poses.txt");
+    FAIL();
+  } catch (const FormatError& e) {
+    EXPECT_NE(std::string(e.what()).find("given by --trajectory"), std::string::npos) << e.what();
+  }
+}
+
 }  // namespace
 }  // namespace underbrush::io

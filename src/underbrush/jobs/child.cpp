@@ -33,6 +33,19 @@ namespace {
 
 }  // namespace
 
+std::vector<std::string> started(std::vector<std::string> command, const std::string& program) {
+  if (command.at(0) == kStudy) {
+    command[0] = std::filesystem::path(program).parent_path() / "underbrush-study";
+  } else {
+    command.insert(command.begin(), program);
+  }
+  return command;
+}
+
+bool has_ended(const std::vector<std::string>& command, int exit_code) {
+  return exit_code == 0 || (exit_code == 1 && command.at(0) == kStudy);
+}
+
 ChildEnd run_child(std::vector<std::string> words, const std::filesystem::path& printed) {
   using Clock = std::chrono::steady_clock;
   std::vector<char*> pointers;

@@ -46,8 +46,7 @@ class Calibration {
     const Task& task = plan.tasks[number];
     const fs::path folder = temporary_.path() / std::to_string(runs_++);
     make_temporary_folders(folder);
-    std::vector<std::string> words{program_};
-    words.insert(words.end(), task.command.begin(), task.command.end());
+    std::vector<std::string> words = started(task.command, program_);
     for (const EarlierOutput& e : task.earlier) {
       const auto from = made_.find(e.task);
       if (from != made_.end()) words.push_back(e.option + "=" + from->second.string());
@@ -58,7 +57,7 @@ class Calibration {
     words.emplace_back("--threads=1");
     const fs::path printed = folder.string() + ".printed";
     const ChildEnd end = run_child(words, printed);
-    if (end.exit_code != 0) {
+    if (!has_ended(task.command, end.exit_code)) {
       throw FormatError(task.command[0], "",
                         "its calibration failed: " + printable(read_file(printed)));
     }

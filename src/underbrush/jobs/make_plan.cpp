@@ -6,6 +6,7 @@
 #include "underbrush/io/hash.hpp"
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/io/poses.hpp"
+#include "underbrush/jobs/child.hpp"
 #include "underbrush/jobs/fit_tasks.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 #include "underbrush/primitives/annotation.hpp"
@@ -24,11 +25,21 @@ struct PlannedVerb {
 };
 
 constexpr PlannedVerb kVerbs[] = {
-    {"import", {"-o", "--output", "--json"}},  {"simulate", {"-o", "--output", "--json"}},
-    {"score", {"--json", "--report"}},         {"fit", {"-o", "--output", "--json"}},
-    {"movers", {"-o", "--output", "--json"}},  {"segment", {"-o", "--output", "--json"}},
-    {"compose", {"-o", "--output", "--json"}}, {"regions", {"-o", "--output", "--json"}},
-    {"extract", {"-o", "--output", "--json"}}, {"rasters", {"-o", "--output", "--json"}},
+    {"import", {"-o", "--output", "--json"}},
+    {"simulate", {"-o", "--output", "--json"}},
+    {"score", {"--json", "--report"}},
+    {"fit", {"-o", "--output", "--json"}},
+    {"movers", {"-o", "--output", "--json"}},
+    {"segment", {"-o", "--output", "--json"}},
+    {"compose", {"-o", "--output", "--json"}},
+    {"regions", {"-o", "--output", "--json"}},
+    {"extract", {"-o", "--output", "--json"}},
+    {"rasters", {"-o", "--output", "--json"}},
+    {"split", {"--train", "--test"}},
+    {"actors", {"-o", "--output", "--marked", "--json"}},
+    {"annotate", {"-o", "--output", "--json"}},
+    {"optimize", {"-o", "--output", "--json"}},
+    {kStudy, {"--json", "--report", "--keep"}},
 };
 
 /// Rough costs for the guesses of a plan: of a beam, of a byte that is read, and of a start.

@@ -102,8 +102,7 @@ TaskEnd run_task(const fs::path& folder, size_t number, const std::string& progr
       {}};
   const TemporaryPath temporary(folder, "task");
   make_temporary_folders(temporary.path());
-  std::vector<std::string> words{program};
-  words.insert(words.end(), task.command.begin(), task.command.end());
+  std::vector<std::string> words = started(task.command, program);
   words.insert(words.end(), earlier.words.begin(), earlier.words.end());
   for (const TaskOutput& o : task.outputs) {
     words.insert(words.end(), {o.option, (temporary.path() / o.name).string()});
@@ -113,10 +112,11 @@ TaskEnd run_task(const fs::path& folder, size_t number, const std::string& progr
   const ChildEnd end = run_child(words, printed);
   const auto missing = std::ranges::find_if(
       task.outputs, [&](const TaskOutput& o) { return !fs::exists(temporary.path() / o.name); });
-  if (end.exit_code != 0 || missing != task.outputs.end()) {
+  if (!has_ended(task.command, end.exit_code) || missing != task.outputs.end()) {
     const std::optional<Failure> before = read_failure(folder, number);
     out.failure = {(before ? before->times : 0) + 1, end.exit_code, end_of(printed)};
-    if (end.exit_code == 0) out.failure.last_lines += "it made no " + missing->name + "\n";
+    if (has_ended(task.command, end.exit_code))
+      out.failure.last_lines += "it made no " + missing->name + "\n";
     write_failure(folder, number, out.failure);
     return out;
   }
