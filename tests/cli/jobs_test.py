@@ -16,6 +16,8 @@ import cli_test
 
 FIELD = "v -50 -50 0\nv 50 -50 0\nv 50 50 0\nv -50 50 0\nv 9 -3 0\nv 9 3 0\nv 9 0 3\nf 1 2 3\nf 1 3 4\nf 5 6 7\n"
 POSES = "0 0 0 1.8 0 0 0 1\n0.1 0.5 0 1.8 0 0 0 1\n"
+RIG = ("name: rig\nsensors:\n  - {name: a, sensor: velodyne-vlp16, position_m: [1, 0, 0.5]}\n"
+       "  - {name: b, sensor: velodyne-hdl32e, position_m: [-1, 0, 0.2]}\n")
 SENSED = "simulate field.obj --sensor velodyne-vlp16 --trajectory poses.txt"
 
 
@@ -96,12 +98,14 @@ class Jobs(JobFolder):
 
     def test_pieces_have_the_bytes_of_one_run(self):
         self.ok(*SENSED.split(), "--seed", 5, "-o", "seen.ply")
+        (self.folder / "rig.yaml").write_text(RIG)
         self.ok(*SENSED.split(), "--seed", 5, "-o", "seen.ublog")
         echoes = "--super-sample 2x2 --returns 2 --rain 20 --material unknown=asphalt --seed 7"
         commands = {f"{SENSED} --range-noise 0.02 --seed 3 -o {{}}.ply": 3, f"{SENSED} {echoes} -o {{}}.ply": 4,
                     f"{SENSED} {echoes} --element-ids -o {{}}.ublog": 2, f"{SENSED} -o {{}}.csv": 2,
                     "simulate field.obj --like seen.ply --beam random --seed 2 -o {}.ply": 5,
-                    "simulate field.obj --like seen.ublog --range-noise 0.1 -o {}.pcd": 3}
+                    "simulate field.obj --like seen.ublog --range-noise 0.1 -o {}.pcd": 3,
+                    "simulate field.obj --rig rig.yaml --trajectory poses.txt --range-noise 0.1 -o {}.ublog": 5}
         for k, (command, pieces) in enumerate(commands.items()):
             with self.subTest(command):
                 self.assertEqual(self.plan(command.format("joined"), f"plan{k}", pieces=pieces), pieces)
@@ -346,7 +350,8 @@ class Jobs(JobFolder):
                               ({"command": "fit seen.ply --fitter voxel -o {k}", "pieces": 2}, ("likelihood",)),
                               ({"command": "fit seen.ply --echoes all -o {k}", "pieces": 2}, ("all echoes",)),
                               ({"command": "fit seen.ply --rounds 0 -o {k}", "pieces": 2}, ("--rounds",)),
-                              ({"command": f"{SENSED} --rig r.yaml -o {{k}}.ply", "pieces": 2}, ("--rig",)),
+                              ({"command": f"{SENSED} --rig r.yaml -o {{k}}.ply", "pieces": 2}, ("or --rig",)),
+                              ({"command": f"{SENSED} --profile ouster -o {{k}}/", "pieces": 2}, ("--profile",)),
                               ({"command": f"{SENSED} -o {{k}}.ply --json a.json", "pieces": 2}, ("one output",))):
             with self.subTest(change):
                 (self.folder / "job.yaml").write_text(json.dumps({**good, **change}))

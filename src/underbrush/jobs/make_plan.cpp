@@ -8,6 +8,7 @@
 #include "underbrush/io/poses.hpp"
 #include "underbrush/jobs/child.hpp"
 #include "underbrush/jobs/fit_tasks.hpp"
+#include "underbrush/pipeline/requested_beams.hpp"
 #include "underbrush/pipeline/simulate_log.hpp"
 #include "underbrush/primitives/annotation.hpp"
 #include "underbrush/regions/open_regions.hpp"
@@ -192,8 +193,7 @@ class Planner {
     require(is_fit || command.words[0] == "simulate", "pieces are of simulate and of fit");
     require(command.outputs.size() == 1 && command.outputs[0].option != "--json",
             "a command that is cut into pieces has one output, the log or the model");
-    for (const char* option :
-         {"--profile", "--waveforms", "--rig", "--beams", "--update", "--stage"}) {
+    for (const char* option : {"--profile", "--waveforms", "--beams", "--update", "--stage"}) {
       if (value_of(command.known, option).empty()) continue;
       throw std::invalid_argument(std::string(option) + " is not for pieces");
     }
@@ -202,12 +202,13 @@ class Planner {
           {command.outputs[0].path, {add_fit(whole, command.known, pieces_, plan_)}, 0, 0});
       return;
     }
-    const std::unique_ptr<BeamSource> beams = beams_of(command.known);
+    const pipeline::RequestedBeams requested = beams_of(command.known);
+    BeamSource& beams = requested.source();
     BeamLog chunk;
-    beams->rewind();
-    require_data(beams->next(chunk), "no beams");
+    beams.rewind();
+    require_data(beams.next(chunk), "no beams");
     Result result{command.outputs[0].path, {}, 0, chunk.size()};
-    const size_t n = beams->size(), pieces = std::min(pieces_, n);
+    const size_t n = beams.size(), pieces = std::min(pieces_, n);
     for (size_t k = 0; k < pieces; ++k) {
       const size_t first = n / pieces * k + std::min(k, n % pieces);
       const size_t end = first + n / pieces + (k < n % pieces ? 1 : 0);
@@ -221,13 +222,19 @@ class Planner {
     plan_.results.push_back(std::move(result));
   }
 
-  static std::unique_ptr<BeamSource> beams_of(const std::vector<std::string>& words) {
+  static pipeline::RequestedBeams beams_of(const std::vector<std::string>& words) {
     const std::string like = value_of(words, "--like");
-    if (!like.empty()) return std::make_unique<io::BeamReader>(like, pipeline::kSimulatedBeams);
-    const std::string sensor = value_of(words, "--sensor"), path = value_of(words, "--trajectory");
-    require(!sensor.empty() && !path.empty(),
-            "a command that is cut has --like LOG, or --sensor NAME and --trajectory POSES");
-    return std::make_unique<pipeline::SensorBeams>(sensor::load(sensor), io::read_trajectory(path));
+    if (!like.empty())
+      return {std::make_unique<io::BeamReader>(like, pipeline::kSimulatedBeams), like, {}};
+    const std::string sensor = value_of(words, "--sensor"), rig = value_of(words, "--rig"),
+                      path = value_of(words, "--trajectory");
+    require(
+        sensor.empty() != rig.empty() && !path.empty(),
+        "a command that is cut has --like LOG, or --sensor NAME or --rig FILE with --trajectory "
+        "POSES");
+    const Trajectory poses = io::read_trajectory(path);
+    if (!rig.empty()) return {perception::load_rig(rig), poses};
+    return {sensor::load(sensor), poses};
   }
 
   Plan& plan_;

@@ -107,11 +107,13 @@ SimulateCounts simulate_log(Simulation& simulation, BeamSource& beams,
   if (keeps) kept = all_of(beams);
   simulation.recognise(source);
   const BeamRange range = range_in(source.size(), simulation.options());
+  const std::vector<size_t> fired = simulation.fired_in(source, range.first);
   BeamWindow part(source, range.first, range.end);
   metrics::Bounds sensor;
   simulate::SimulatedSource simulated(
       [&](size_t first_beam, BeamLog& chunk) {
         for (const Vec3& origin : chunk.origin) sensor.add(origin);
+        if (first_beam == 0) simulation.continue_after(fired);
         simulation.answer(range.first + first_beam, chunk);
       },
       part, simulation.options().max_range_m);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "underbrush/actors/actor_edits.hpp"
+#include "underbrush/core/beam_window.hpp"
 #include "underbrush/core/check.hpp"
 #include "underbrush/keyframes/keyframe_cache.hpp"
 #include "underbrush/perception/rig_source.hpp"
@@ -215,7 +216,6 @@ Simulation::Simulation(const TracedWorld& world, SimulateOptions options, const 
 Simulation::Simulation(const TracedWorld& world, const SimulateOptions& options,
                        const std::vector<sensor::Sensor>& rig)
     : world_(&world), options_(options), rig_(true), fired_(rig.size(), 0) {
-  require(options_.beams.empty(), "simulate: beams are those of one sensor, not of a rig");
   for (const sensor::Sensor& s : rig) {
     LogInfo limits;
     limits.sensor = s.name;
@@ -271,6 +271,16 @@ void Simulation::recognise(BeamSource& log) {
 
 bool Simulation::keyframes_serve(const LogInfo& beams) const {
   return answers_[0]->keyframes_serve(beams);
+}
+
+std::vector<size_t> Simulation::fired_in(BeamSource& source, size_t beams) const {
+  std::vector<size_t> out(fired_.size(), 0);
+  BeamWindow window(source, 0, rig_ ? beams : 0);
+  window.rewind();
+  for (BeamLog chunk; window.next(chunk);) {
+    for (const uint8_t sensor : sensors_in(chunk)) ++out[sensor];
+  }
+  return out;
 }
 
 void Simulation::answer(size_t first_beam, BeamLog& beams) {

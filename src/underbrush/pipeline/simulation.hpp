@@ -44,6 +44,8 @@ class Simulation {
   /// Sets the number of beams that each sensor of a rig has fired before those of the next call of
   /// `answer`.
   void continue_after(std::vector<size_t> fired) { fired_ = std::move(fired); }
+  /// Counts the beams of each sensor of a rig among the first `beams` of a source; reads them.
+  std::vector<size_t> fired_in(BeamSource& source, size_t beams) const;
 
   /// Determines whether the log whose beams are simulated was recorded by the sensor of the model's
   /// keyframes. If not, keyframes are not used. Only a log without the name of a sensor is read for
