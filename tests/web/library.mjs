@@ -74,6 +74,29 @@ export async function editLibrary({ page, expect, ready, accessible, picture, pr
   await page.getByLabel('Search in names, classes and origins').fill('');
   await waitFor(page, 'library', '13 13 0');
 
+  // All rows that the filters leave are changed at once, and undone at once.
+  const trees = before.map((p) => ({ ...p, class: p.folder.split('/')[0] })).filter((p) => p.class.endsWith('_tree'));
+  const all = (text) => page.getByRole('group', { name: 'All shown' }).getByRole('button', { name: `${text} all shown` });
+  await page.getByLabel('Class or kind').selectOption('tree');
+  await all('Throw out').click();
+  await waitFor(page, 'library', '9 13 9');
+  await page.getByLabel('Kept or thrown out').selectOption('thrown out');
+  await page.getByLabel('Search in names, classes and origins').fill('MIT');
+  await all('Bring back').click();
+  await waitFor(page, 'primitiveEdits', `${trees.filter((p) => p.license !== 'MIT').length}`);
+  await page.keyboard.press('Control+z');
+  await page.keyboard.press('Control+z');
+  await waitFor(page, 'primitiveEdits', '0');
+  await page.getByLabel('Search in names, classes and origins').fill('');
+  await page.getByLabel('Kept or thrown out').selectOption('kept and thrown out');
+  await page.getByLabel('Class of all shown').selectOption('small_tree');
+  await waitFor(page, 'primitiveEdits', `${trees.filter((p) => p.class !== 'small_tree').length}`);
+  expect((await column('Class')).every((c) => c === 'small_tree'), 'all trees are small');
+  await press('<');
+  await waitFor(page, 'primitiveEdits', '0');
+  await page.getByLabel('Class or kind').selectOption('');
+  await waitFor(page, 'library', '13 13 0');
+
   // A row is shown in the view.
   await press('f');
   const eye = await fact(page, 'eye');
@@ -178,7 +201,10 @@ export async function editLibrary({ page, expect, ready, accessible, picture, pr
   await ready();
   expect((await page.getByLabel('Name of medium_tree/0002').inputValue()) === 'Eiche am Bach', 'the name in the result');
   expect((await page.getByLabel('Edits of primitives', { exact: true }).innerText()) === '12 primitives, 0 thrown out, 0 changed', 'the result has no edits');
-  for (let k = 0; k < 12; ++k) await page.getByRole('button', { name: /^Throw out/ }).first().click();
+  await all('Throw out').click();
+  await status('^One primitive at least must remain');
+  await waitFor(page, 'library', '12 12 0');
+  for (let k = 0; k < 12; ++k) await page.getByRole('button', { name: /^Throw out \w+\// }).first().click();
   await status('^One primitive at least must remain');
   await waitFor(page, 'library', '12 12 11');
 

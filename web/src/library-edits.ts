@@ -18,8 +18,9 @@ interface Step {
 export class PrimitiveEdits {
   readonly rows: Row[];
   private readonly edits = new Map<string, PrimitiveEdit>();
-  private past: Step[] = [];
-  private undone: Step[] = [];
+  /** What was done at once is undone at once. */
+  private past: Step[][] = [];
+  private undone: Step[][] = [];
   private readonly numbers = new Map<string, number>();
 
   constructor(readonly facts: PrimitiveSetFacts) {
@@ -46,35 +47,47 @@ export class PrimitiveEdits {
     return this.facts.classes.find((c) => c.name === own)?.may_become ?? [own];
   }
 
-  /** Throws a primitive out or brings it back, renames or relabels it. Throws where it cannot be. */
-  change(model: number, to: { out?: boolean; name?: string; class?: string }): void {
+  /**
+   * Throws primitives out or brings them back, renames or relabels them, as one step. Those that may not get the class
+   * stay as they are. Returns the number of those that are changed; throws where it cannot be or none is.
+   */
+  change(models: number[], to: { out?: boolean; name?: string; class?: string }): number {
+    const { class: wanted } = to;
+    const able = models.filter((m) => wanted === undefined || this.classesOf(m).includes(wanted));
+    if (able.length === 0) throw new Error(wanted === undefined ? 'There is nothing to change' : `None of these may become ${wanted}`);
+    const bytes = new TextEncoder().encode(to.name ?? '').length;
+    if (bytes > this.facts.most_name_bytes) throw new Error(`A name has ${this.facts.most_name_bytes} bytes at most`);
+    const chosen = new Set(able);
+    if (to.out && this.rows.every((row) => row.out || chosen.has(row.model))) throw new Error('One primitive at least must remain');
+    const steps = able.map((model) => this.stepOf(model, to));
+    this.past.push(steps);
+    this.undone = [];
+    steps.forEach(({ primitive, after }) => this.take(primitive, after));
+    return able.length;
+  }
+
+  private stepOf(model: number, to: { out?: boolean; name?: string; class?: string }): Step {
     const before = this.facts.primitives[model]!;
     const { out, name, class: label } = { ...this.rows[model]!, ...to };
-    const bytes = new TextEncoder().encode(name).length;
-    if (bytes > this.facts.most_name_bytes) throw new Error(`A name has ${this.facts.most_name_bytes} bytes at most`);
-    if (out && this.rows.every((row) => row.out || row.model === model)) throw new Error('One primitive at least must remain');
     const primitive = before.folder;
     const edit: PrimitiveEdit = out ? { primitive, remove: true } : { primitive };
     if (!out && label !== before.class) edit.class = label;
     if (!out && name !== before.name) edit.name = name;
-    const after = Object.keys(edit).length > 1 ? edit : undefined;
-    this.past.push({ primitive, before: this.edits.get(primitive), after });
-    this.undone = [];
-    this.take(primitive, after);
+    return { primitive, before: this.edits.get(primitive), after: Object.keys(edit).length > 1 ? edit : undefined };
   }
 
   undo(): void {
     const last = this.past.pop();
     if (!last) return;
     this.undone.push(last);
-    this.take(last.primitive, last.before);
+    last.forEach((step) => this.take(step.primitive, step.before));
   }
 
   redo(): void {
     const next = this.undone.pop();
     if (!next) return;
     this.past.push(next);
-    this.take(next.primitive, next.after);
+    next.forEach((step) => this.take(step.primitive, step.after));
   }
 
   /** Takes a list in place of the edits so far, each of which can be undone. Throws with the place of what cannot be. */
@@ -93,7 +106,7 @@ export class PrimitiveEdits {
     });
     [...this.edits.keys()].forEach((primitive) => this.take(primitive, undefined));
     edits.forEach((edit, primitive) => this.take(primitive, edit));
-    this.past = [...edits].map(([primitive, after]) => ({ primitive, before: undefined, after }));
+    this.past = [...edits].map(([primitive, after]) => [{ primitive, before: undefined, after }]);
     this.undone = [];
   }
 

@@ -21,8 +21,8 @@ const ORDER = new Intl.Collator('en', { numeric: true });
 const FATES = ['kept and thrown out', 'kept', 'thrown out'];
 
 export interface TableActions {
-  /** Changes a primitive; throws where it cannot be. */
-  change: (model: number, to: { out?: boolean; name?: string; class?: string }) => void;
+  /** Changes primitives at once. */
+  change: (models: number[], to: { out?: boolean; name?: string; class?: string }) => void;
   show: (model: number) => void;
   close: () => void;
 }
@@ -39,6 +39,7 @@ export class LibraryTable {
   private readonly kind = el('select', { 'aria-label': 'Class or kind' });
   private readonly fate = el('select', { 'aria-label': 'Kept or thrown out' }, ...FATES.map((f) => el('option', { value: f }, f)));
   private readonly text = el('input', { type: 'search', placeholder: 'Search', 'aria-label': 'Search in names, classes and origins' });
+  private readonly classOfAll = el('select', { 'aria-label': 'Class of all shown' });
   private readonly counted = el('span', { class: 'count', role: 'status', 'aria-label': 'Primitives shown' });
   private readonly heads = new Map<Column, HTMLElement>();
   private readonly body = el('tbody');
@@ -62,10 +63,21 @@ export class LibraryTable {
     };
     [this.kind, this.fate].forEach((box) => box.addEventListener('change', again));
     this.text.addEventListener('input', again);
+    this.classOfAll.addEventListener('change', () => {
+      this.changeAll({ class: this.classOfAll.value });
+      this.classOfAll.value = '';
+    });
+    const bulk = el(
+      'div',
+      { class: 'filters', role: 'group', 'aria-label': 'All shown' },
+      button('Throw out all shown', 'Throw out every primitive that the filters leave', () => this.changeAll({ out: true })),
+      button('Bring back all shown', 'Bring back every primitive that the filters leave', () => this.changeAll({ out: false })),
+      this.classOfAll,
+    );
     const close = button('×', 'Close the table (#)', () => this.actions.close());
     close.setAttribute('aria-label', 'Close the table');
     this.element.append(
-      el('div', { class: 'head' }, this.heading, el('div', { class: 'filters' }, this.kind, this.fate, this.text), this.counted, close),
+      el('div', { class: 'head' }, this.heading, el('div', { class: 'filters' }, this.kind, this.fate, this.text), bulk, this.counted, close),
       el('div', { class: 'scroll', tabindex: '0', role: 'group', 'aria-label': 'Table of the library' }, table, this.more),
     );
   }
@@ -81,6 +93,7 @@ export class LibraryTable {
       ...kinds.map((kind) => el('option', { value: kind }, kind === 'patch' ? 'cells of patches' : `all ${kind}s`)),
       ...classes.map((c) => el('option', { value: c.name }, c.name)),
     );
+    this.classOfAll.replaceChildren(el('option', { value: '' }, 'class of all shown'), ...classes.map((c) => el('option', { value: c.name }, c.name)));
     this.show();
   }
 
@@ -88,6 +101,12 @@ export class LibraryTable {
     this.down = this.column === column && !this.down;
     this.column = column;
     this.show();
+  }
+
+  /** Changes all rows that the filters leave, those below the last row too. */
+  private changeAll(to: { out?: boolean; class?: string }): void {
+    const rows = this.sorted().filter((row) => (to.out === undefined ? !row.out : row.out !== to.out));
+    this.actions.change(rows.map((row) => row.model), to);
   }
 
   /** The rows that the filters leave, in order. */
@@ -151,15 +170,15 @@ export class LibraryTable {
     name.value = row.name;
     // The table stays as it is, so that Tab goes on to the next control.
     name.addEventListener('change', () => {
-      this.actions.change(model, { name: name.value.trim() });
+      this.actions.change([model], { name: name.value.trim() });
       name.value = row.name;
     });
     const label = named(el('select', {}, ...this.edits!.classesOf(model).map((c) => el('option', { value: c }, c))), 'class', 'Class of');
     label.value = row.class;
-    label.addEventListener('change', () => this.actions.change(model, { class: label.value }));
+    label.addEventListener('change', () => this.actions.change([model], { class: label.value }));
     [name, label].forEach((box) => (box.disabled = row.out));
     const fate = row.out ? 'Bring back' : 'Throw out';
-    const out = named(button(fate, `${fate} ${folder}`, () => this.actions.change(model, { out: !row.out })), 'out', fate);
+    const out = named(button(fate, `${fate} ${folder}`, () => this.actions.change([model], { out: !row.out })), 'out', fate);
     const text = (value: string) => el('td', {}, value);
     const number = (value: number, digits = 0) => el('td', { class: 'number' }, value.toFixed(digits));
     const line = el(

@@ -45,7 +45,11 @@ export class Library {
     private readonly jobs: JobsPanel | null,
   ) {
     this.table = new LibraryTable({
-      change: (model, to) => this.change(() => this.edits!.change(model, to), to.name !== undefined),
+      change: (models, to) =>
+        this.change(() => {
+          const done = this.edits!.change(models, to);
+          if (done < models.length) this.app.tell(`${done} primitives changed; ${models.length - done} may not become ${to.class}`);
+        }, to.name !== undefined),
       show: (model) => this.look(model),
       close: () => this.toggle(),
     });
