@@ -14,7 +14,7 @@
 #include "underbrush/io/log_file.hpp"
 #include "underbrush/optimize/checkpoint.hpp"
 #include "underbrush/pipeline/compose_scene.hpp"
-#include "underbrush/pipeline/tune.hpp"
+#include "underbrush/pipeline/kept_search.hpp"
 #include "verbs.hpp"
 
 namespace underbrush::app {
@@ -96,43 +96,14 @@ Search search_of(const Arguments& a, BeamSource& log) {
   return s;
 }
 
-/// Returns a text that identifies the search by all that determines it except its budget.
-std::string identity_of(const Verb& verb, const Arguments& a, const Search& s) {
-  Json run;
-  run["objective"] = a.options.objective;
-  run["algorithm"] = a.options.search.algorithm;
-  run["step"] = a.options.search.step;
-  run["slice"] = a.options.slice;
-  run["validate"] = a.options.validate;
-  run["seed"] = verb.seed;
-  for (size_t k = 0; k < s.problem.start.size(); ++k) {
-    const optimize::Parameter& q = s.problem.parameters[k];
-    run["parameters"].push_back({q.name, q.low, q.high, int(q.scale), s.problem.start[k]});
-  }
-  run["fixed"] = s.tuning.fixed;
-  const Json origin = io::json_of_text(s.tuning.provenance);
-  run["program"] = origin["program"];
+/// The file of a search, which is known by the provenance of its result.
+pipeline::SearchFile file_of(const Arguments& a, const report::Tuning& tuning) {
+  const Json origin = io::json_of_text(tuning.provenance);
+  pipeline::SearchFile out{a.checkpoint, a.resume, origin["program"], {}, tuning.fixed.dump()};
   for (const auto& [file, hash] : origin["inputs"].items()) {
-    if (!file.ends_with(".yaml")) run["inputs"].push_back(hash);
+    if (!file.ends_with(".yaml")) out.inputs.push_back(hash);
   }
-  return io::text_of_json(run);
-}
-
-/// Returns the evaluations of the checkpoint from which the search continues.
-std::vector<optimize::Evaluation> past_of(const Arguments& a, const std::string& identity) {
-  if (!fs::exists(a.checkpoint)) return {};
-  const optimize::Checkpoint found = optimize::read_checkpoint(a.checkpoint);
-  if (!a.resume) {
-    if (found.finished) return {};
-    throw std::invalid_argument(fmt::format(
-        "optimize: {} holds {} evaluations of a search that did not end; give --resume to go on, "
-        "or remove it",
-        a.checkpoint, found.evaluations.size()));
-  }
-  if (io::json_of_text(found.run) != io::json_of_text(identity)) {
-    throw FormatError(a.checkpoint, "", "it is of another search (log, options or seed differ)");
-  }
-  return found.evaluations;
+  return out;
 }
 
 void run(const Verb& verb, Arguments& a) {
@@ -157,27 +128,23 @@ void run(const Verb& verb, Arguments& a) {
   std::vector<fs::path> inputs{a.log};
   inputs.insert(inputs.end(), s.problem.inputs.begin(), s.problem.inputs.end());
   t.provenance = provenance(verb, inputs);
-  optimize::Checkpoint kept{identity_of(verb, a, s), false, {}};
-  const std::vector<optimize::Evaluation> past = past_of(a, kept.run);
+  size_t resumed = 0;
   try {
-    t.evaluations = pipeline::tune(
-        s.problem, a.options, past, [&](std::span<const optimize::Evaluation> so_far) {
-          kept.evaluations.assign(so_far.begin(), so_far.end());
-          optimize::write_checkpoint(a.checkpoint, kept);
+    pipeline::KeptSearch kept = pipeline::tune_and_keep(
+        s.problem, a.options, file_of(a, t), [&](std::span<const optimize::Evaluation> so_far) {
           std::cerr << fmt::format("[{:.1f} s] {}\n", seconds(),
                                    report::line_of(t, so_far, a.options.search.budget))
                     << std::flush;
         });
+    t.evaluations = std::move(kept.evaluations);
+    resumed = kept.resumed;
   } catch (const DataError& e) {
-    throw FormatError(past.empty() ? a.log : a.checkpoint, "", e.what());
+    throw FormatError(a.log, "", e.what());
   }
   report::write_config(a.output, t);
-  kept.evaluations = t.evaluations;
-  kept.finished = true;
-  optimize::write_checkpoint(a.checkpoint, kept);
   Json j = report::json_of(t);
   j["warnings"] = s.problem.warnings;
-  j["resumed_from"] = past.size();
+  j["resumed_from"] = resumed;
   j["skipped"] = reader.skipped();
   j["seconds"] = seconds();
   std::string text = report::text_of(t) + text_of_warnings(s.problem.warnings) + "  written     " +

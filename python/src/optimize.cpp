@@ -12,8 +12,10 @@
 #include "given.hpp"
 #include "option_table.hpp"
 #include "report/tuning.hpp"
+#include "underbrush/core/check.hpp"
+#include "underbrush/io/hash.hpp"
 #include "underbrush/optimize/options.hpp"
-#include "underbrush/pipeline/tune.hpp"
+#include "underbrush/pipeline/kept_search.hpp"
 #include "watched.hpp"
 
 namespace underbrush::python {
@@ -33,8 +35,21 @@ struct TuningValue : report::Tuning {
   }
 };
 
+using Files = std::vector<std::filesystem::path>;
+
+/// Adds the hashes of what a search reads to its file.
+pipeline::SearchFile with_inputs(pipeline::SearchFile file, const GivenLog& log,
+                                 const Files& others) {
+  const auto* path = std::get_if<std::filesystem::path>(&log);
+  require(path, "optimize: a checkpoint needs a log that is in a file");
+  file.inputs.push_back(io::hash_of(*path));
+  for (const auto& other : others) file.inputs.push_back(io::hash_of(other));
+  return file;
+}
+
 TuningValue searched(const GivenLog& log, const TuneOptions& o, bool densities,
-                     pipeline::TuningProblem problem, const Hook& hook) {
+                     pipeline::TuningProblem problem, const pipeline::SearchFile& file,
+                     const Hook& hook) {
   TuningValue out;
   out.log = name_of(log);
   out.objective = o.objective;
@@ -47,11 +62,17 @@ TuningValue searched(const GivenLog& log, const TuneOptions& o, bool densities,
     hook("optimize", done, o.search.budget);
     return judge(value);
   };
+  const auto after = [&](std::span<const Evaluation> so_far) {
+    done = so_far.size();
+    hook("optimize", done, o.search.budget);
+  };
   try {
-    out.evaluations = pipeline::tune(problem, o, {}, [&](std::span<const Evaluation> so_far) {
-      done = so_far.size();
-      hook("optimize", done, o.search.budget);
-    });
+    if (file.path.empty()) {
+      out.evaluations = pipeline::tune(problem, o, {}, after);
+    } else {
+      const pipeline::SearchFile whole = with_inputs(file, log, problem.inputs);
+      out.evaluations = pipeline::tune_and_keep(problem, o, whole, after).evaluations;
+    }
   } catch (const DataError& e) {
     if (!std::holds_alternative<std::filesystem::path>(log)) throw;
     throw FormatError(name_of(log), "", e.what());
@@ -60,25 +81,28 @@ TuningValue searched(const GivenLog& log, const TuneOptions& o, bool densities,
 }
 
 TuningValue tuned_fit(const GivenLog& log, const TuneOptions& o, const nb::dict& parameters,
-                      const sensor::Sensor* sensor, const nb::object& progress) {
+                      const sensor::Sensor* sensor, const pipeline::SearchFile& file,
+                      const nb::object& progress) {
   fit::FitOptions options;
   set_fit_options(options, parameters, o.seed, sensor);
   TuningValue out;
   run_watched(progress, [&](const Hook& hook) {
-    out = searched(log, o, false, pipeline::tuned_fit(*source_of(log, true), o, options), hook);
+    out =
+        searched(log, o, false, pipeline::tuned_fit(*source_of(log, true), o, options), file, hook);
   });
   return out;
 }
 
 TuningValue tuned_scene(const GivenLog& log, const TuneOptions& o,
                         const std::filesystem::path& annotation, const std::string& primitives,
-                        bool allow_outside, const nb::object& progress) {
+                        bool allow_outside, const pipeline::SearchFile& file,
+                        const nb::object& progress) {
   TuningValue out;
   run_watched(progress, [&](const Hook& hook) {
     pipeline::SceneParts parts =
         pipeline::read_scene_parts(annotation, primitives, allow_outside, o.seed);
     out = searched(log, o, true, pipeline::tuned_scene(*source_of(log, true), o, std::move(parts)),
-                   hook);
+                   file, hook);
   });
   return out;
 }
@@ -116,8 +140,17 @@ void bind_optimize(nb::module_& m) {
             return out;
           },
           "All values that were tried, in order, with their objectives.");
+  using File = pipeline::SearchFile;
+  nb::class_<File>(m, "SearchFile", "The file in which a search keeps its evaluations.")
+      .def(
+          "__init__",
+          [](File* f, const std::filesystem::path& path, bool resume, const std::string& program,
+             const std::string& fixed) {
+            new (f) File{path, resume, program, {}, fixed};
+          },
+          "path"_a, "resume"_a, "program"_a, "fixed"_a);
   m.def("optimize_fit", &tuned_fit, "log"_a, "options"_a, "parameters"_a, "sensor"_a.none(),
-        "progress"_a.none(), "Tunes parameters of a fit.");
+        "file"_a, "progress"_a.none(), "Tunes parameters of a fit.");
   m.def(
       "write_tuning_report",
       [](const std::filesystem::path& folder, V tuning, const std::string& fixed,
@@ -129,7 +162,8 @@ void bind_optimize(nb::module_& m) {
       "folder"_a, "tuning"_a, "fixed"_a, "provenance"_a, nb::call_guard<nb::gil_scoped_release>(),
       "Writes the page of a search and returns its path.");
   m.def("optimize_scene", &tuned_scene, "log"_a, "options"_a, "annotation"_a, "primitives"_a,
-        "allow_outside"_a, "progress"_a.none(), "Tunes the class densities of a composed scene.");
+        "allow_outside"_a, "file"_a, "progress"_a.none(),
+        "Tunes the class densities of a composed scene.");
 }
 
 }  // namespace underbrush::python

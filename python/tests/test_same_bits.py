@@ -4,6 +4,7 @@ from __future__ import annotations
 import json
 import pathlib
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -221,3 +222,35 @@ def test_optimize(run: Callable[..., str], log_file: pathlib.Path, tmp_path: pat
     tuning = underbrush.optimize(log_file, tune=["tau"], budget=3, slice=(0, 0.2), validate=2)
     assert tuning.objective == min(e["objective"] for e in printed["evaluations"])
     assert [v["tau"] for v, _ in tuning.history] == [e["value"][0] for e in printed["evaluations"]]
+
+
+def test_optimize_goes_on(run: Callable[..., str], log_file: pathlib.Path, tmp_path: pathlib.Path) -> None:
+    """A search that was interrupted has the result of one that was not, whichever face goes on with it."""
+    options: dict[str, Any] = {"tune": ["tau"], "budget": 4, "slice": (0, 0.2), "validate": 2}
+    whole = underbrush.optimize(log_file, checkpoint=tmp_path / "whole", **options)
+
+    def interrupt(stage: str, done: int, most: int) -> None:
+        if done >= 2:
+            raise KeyboardInterrupt
+
+    file = tmp_path / "search"
+    with pytest.raises(KeyboardInterrupt):
+        underbrush.optimize(log_file, checkpoint=file, progress=interrupt, **options)
+    kept = file.read_bytes()
+    with pytest.raises(ValueError, match="holds [23] evaluations of a search that did not end"):
+        underbrush.optimize(log_file, checkpoint=file, **options)
+    with pytest.raises(underbrush.FormatError, match="of another search"):
+        underbrush.optimize(log_file, checkpoint=file, resume=True, seed=2, **options)
+    assert file.read_bytes() == kept
+    again = underbrush.optimize(log_file, checkpoint=file, resume=True, **options)
+    assert again.history == whole.history
+    assert file.read_bytes() == (tmp_path / "whole").read_bytes()
+    file.write_bytes(kept)
+    printed = json.loads(run("optimize", log_file, "-o", tmp_path / "p.yaml", "--tune", "tau", "--budget", 4, "--slice",
+                             0, 0.2, "--validate", 2, "--checkpoint", file, "--resume", "--json", "-"))
+    assert printed["resumed_from"] in (2, 3)
+    assert [v["tau"] for v, _ in whole.history] == [e["value"][0] for e in printed["evaluations"]]
+    with pytest.raises(ValueError, match="a log that is in a file"):
+        underbrush.optimize(underbrush.read_log(log_file), checkpoint=tmp_path / "new", **options)
+    with pytest.raises(ValueError, match="needs a checkpoint"):
+        underbrush.optimize(log_file, resume=True, **options)

@@ -341,28 +341,34 @@ def perceive(log: Log, output: Path | None = None, *, write_truth: Path | None =
 
 def optimize(log: Log, *, seed: int = 1, annotation: Path | None = None, primitives: Path | None = None,
              allow_outside: bool = False, sensor: Sensor | str | None = None, report: Path | None = None,
-             progress: Progress | None = None, **options: Unpack[OptimizeParameters]) -> Tuning:
+             checkpoint: Path | None = None, resume: bool = False, progress: Progress | None = None,
+             **options: Unpack[OptimizeParameters]) -> Tuning:
     """Tunes the parameters of a fit on a slice of the training log.
 
     `slice` takes the scans that begin in [from, to), s after the log's start; one in `validate` of them is scored and
     not fitted. `tune` names the parameters (the usual ones if empty), and options of `fit` set the fixed ones. With
     `annotation` and `primitives`, the class densities of a composed scene are tuned instead. `Tuning.parameters` has
-    the best values. With `report`, a folder, a page with the search's progress is written too. Raises `ValueError`,
-    `TypeError`, `FormatError`, `OSError`.
+    the best values. With `report`, a folder, a page with the search's progress is written too. `checkpoint` is a file
+    that is written after each evaluation; with `resume`, the search goes on from it, with the result of one that was
+    not interrupted. Raises `ValueError`, `TypeError`, `FormatError`, `OSError`.
     """
     if (annotation is None) != (primitives is None):
         raise ValueError("optimize: annotation and primitives belong together")
+    if resume and checkpoint is None:
+        raise ValueError("optimize: resume needs a checkpoint")
     given, parameters = _divided(_core.optimize_options(), options)
     if annotation is None and "tune" in given:
         given["tune"] = [name.replace("_", "-") for name in given["tune"]]
     core = _set(_core.TuneOptions(), given)
     core.seed = seed
+    fixed = {name.replace("_", "-"): str(value) for name, value in parameters.items()}
+    known = fixed if sensor is None else {**fixed, "sensor": sensor if isinstance(sensor, str) else sensor.name}
+    file = _core.SearchFile(checkpoint or "", resume, f"underbrush {_core.version()}", json.dumps(known))
     with _shown(progress) as shown:
         if annotation is not None and primitives is not None:
-            tuning = _core.optimize_scene(_log(log), core, annotation, os.fspath(primitives), allow_outside, shown)
+            tuning = _core.optimize_scene(_log(log), core, annotation, os.fspath(primitives), allow_outside, file, shown)
         else:
-            tuning = _core.optimize_fit(_log(log), core, parameters, _sensor(sensor), shown)
+            tuning = _core.optimize_fit(_log(log), core, parameters, _sensor(sensor), file, shown)
     if report is not None:
-        fixed = {name.replace("_", "-"): str(value) for name, value in parameters.items()}
         _core.write_tuning_report(report, tuning, json.dumps(fixed), _provenance("optimize", seed))
     return tuning

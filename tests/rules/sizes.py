@@ -9,14 +9,14 @@ LIMITS = {".hpp": 200, ".inl": 400, ".cpp": 400, ".py": 400, ".ts": 400}
 # The most lines of C++, Python and TypeScript of each room: a limit is raised only together with a feature
 # that users get, and in the same commit.
 ROOMS = {
-    "apps": 5935, "apps/fmu": 1800, "apps/underbrush": 4400, "bench": 3570, "cli": 1700, "python/src": 3760, "python/underbrush":
-    10380, "report": 2900, "studies": 9550, "web/src": 7750, "src/underbrush/actors": 1480,
+    "apps": 5935, "apps/fmu": 1800, "apps/underbrush": 4400, "bench": 3570, "cli": 1700, "python/src": 3780, "python/underbrush":
+    10390, "report": 2900, "studies": 9550, "web/src": 7790, "src/underbrush/actors": 1480,
     "src/underbrush/calibrate": 2465,
     "src/underbrush/cluster": 1710, "src/underbrush/compact": 1900, "src/underbrush/core": 2930, "src/underbrush/credit": 1100,
     "src/underbrush/elements": 2615, "src/underbrush/fit": 2405, "src/underbrush/ground": 2000, "src/underbrush/io":
     9345, "src/underbrush/jobs": 2010, "src/underbrush/keyframes": 2095, "src/underbrush/library": 500, "src/underbrush/likelihood": 2200, "src/underbrush/live": 1150, "src/underbrush/metrics": 3145,
     "src/underbrush/movers": 700, "src/underbrush/optimize": 700, "src/underbrush/osi": 5170,
-    "src/underbrush/perception": 5645, "src/underbrush/pipeline": 7080, "src/underbrush/plant_meshes": 260, "src/underbrush/primitives": 3715,
+    "src/underbrush/perception": 5645, "src/underbrush/pipeline": 7185, "src/underbrush/plant_meshes": 260, "src/underbrush/primitives": 3715,
     "src/underbrush/radiometry": 2300, "src/underbrush/rasters": 600, "src/underbrush/regions": 1410, "src/underbrush/sensor": 3520, "src/underbrush/serve": 7280,
     "src/underbrush/simulate": 2900, "src/underbrush/sites": 1850, "src/underbrush/surface": 1100, "src/underbrush/test_site": 1900,
     "src/underbrush/trace": 5935, "src/underbrush/update": 1200, "src/underbrush/worlds": 2050,
