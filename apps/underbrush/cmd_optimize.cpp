@@ -128,10 +128,11 @@ void run(const Verb& verb, Arguments& a) {
   std::vector<fs::path> inputs{a.log};
   inputs.insert(inputs.end(), s.problem.inputs.begin(), s.problem.inputs.end());
   t.provenance = provenance(verb, inputs);
+  const pipeline::SearchFile file = file_of(a, t);
   size_t resumed = 0;
   try {
     pipeline::KeptSearch kept = pipeline::tune_and_keep(
-        s.problem, a.options, file_of(a, t), [&](std::span<const optimize::Evaluation> so_far) {
+        s.problem, a.options, file, [&](std::span<const optimize::Evaluation> so_far) {
           std::cerr << fmt::format("[{:.1f} s] {}\n", seconds(),
                                    report::line_of(t, so_far, a.options.search.budget))
                     << std::flush;
@@ -142,6 +143,7 @@ void run(const Verb& verb, Arguments& a) {
     throw FormatError(a.log, "", e.what());
   }
   report::write_config(a.output, t);
+  pipeline::end_search(file);
   Json j = report::json_of(t);
   j["warnings"] = s.problem.warnings;
   j["resumed_from"] = resumed;

@@ -72,6 +72,7 @@ TuningValue searched(const GivenLog& log, const TuneOptions& o, bool densities,
     } else {
       const pipeline::SearchFile whole = with_inputs(file, log, problem.inputs);
       out.evaluations = pipeline::tune_and_keep(problem, o, whole, after).evaluations;
+      pipeline::end_search(whole);
     }
   } catch (const DataError& e) {
     if (!std::holds_alternative<std::filesystem::path>(log)) throw;

@@ -37,7 +37,7 @@ std::vector<optimize::Evaluation> past_of(const SearchFile& file, const std::str
   const optimize::Checkpoint found = optimize::read_checkpoint(file.path);
   if (!file.resume) {
     if (found.finished) return {};
-    throw std::invalid_argument("optimize: " + file.path.string() + " holds " +
+    throw std::invalid_argument("optimize: " + printable(file.path.string()) + " holds " +
                                 std::to_string(found.evaluations.size()) +
                                 " evaluations of a search that did not end; give --resume to go "
                                 "on, or remove it");
@@ -69,9 +69,14 @@ KeptSearch tune_and_keep(const TuningProblem& problem, const optimize::TuneOptio
     throw FormatError(file.path.string(), "", e.what());
   }
   kept.evaluations = out.evaluations;
-  kept.finished = true;
   optimize::write_checkpoint(file.path, kept);
   return out;
+}
+
+void end_search(const SearchFile& file) {
+  optimize::Checkpoint kept = optimize::read_checkpoint(file.path);
+  kept.finished = true;
+  optimize::write_checkpoint(file.path, kept);
 }
 
 }  // namespace underbrush::pipeline

@@ -15,7 +15,8 @@
 namespace underbrush::pipeline {
 namespace {
 
-constexpr size_t kFewest = 250;  // Points of a scan whose overlap with another one tells something.
+/// Points of a scan whose overlap with another one tells something.
+constexpr size_t kFewestPoints = 250;
 
 std::string warning_of_speed(const std::vector<ScanInfo>& scans) {
   constexpr double kFast = 100;  // m/s
@@ -110,7 +111,7 @@ std::optional<MotionFit> motion_fit(ScanSource& scans, const std::vector<ScanInf
     const Eigen::Quaterniond upright = upright_of(infos[a]);
     const std::vector<Vec3> earlier = upper_points(scans.read(a), upright, SIZE_MAX);
     const ScanCells cells(earlier);
-    if (earlier.size() < kFewest) return std::nullopt;
+    if (earlier.size() < kFewestPoints) return std::nullopt;
     const std::vector<Vec3> later = upper_points(scans.read(a + ahead), upright, kPoints);
     const Pose turn{upright, Vec3::Zero()};
     const Pose given = turn * infos[a].world_from_sensor.inverse() *
@@ -174,7 +175,7 @@ std::string warning_of_overlap(ScanSource& scans, const std::vector<ScanInfo>& i
     const Eigen::Quaterniond none = Eigen::Quaterniond::Identity();
     const std::vector<Vec3> from = upper_points(scans.read(a), none, SIZE_MAX);
     const ScanCells cells(from);
-    if (from.size() < kFewest) return "";
+    if (from.size() < kFewestPoints) return "";
     const std::vector<Vec3> to = upper_points(scans.read(b), none, 4000);
     for (size_t k = 0; k < kReadings.size(); ++k) {
       const auto& pose_of = kReadings[k].pose;

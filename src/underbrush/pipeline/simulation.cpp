@@ -275,7 +275,8 @@ bool Simulation::keyframes_serve(const LogInfo& beams) const {
 
 std::vector<size_t> Simulation::fired_in(BeamSource& source, size_t beams) const {
   std::vector<size_t> out(fired_.size(), 0);
-  BeamWindow window(source, 0, rig_ ? beams : 0);
+  if (!rig_ || beams == 0) return out;
+  BeamWindow window(source, 0, beams);
   window.rewind();
   for (BeamLog chunk; window.next(chunk);) {
     for (const uint8_t sensor : sensors_in(chunk)) ++out[sensor];
