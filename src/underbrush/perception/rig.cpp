@@ -14,8 +14,8 @@ namespace {
 
 using sensor::YamlMap;
 
-constexpr size_t kMostSensors = 255;                // The column of a log is a byte.
-constexpr double kFarthest = 100, kMostTurn = 720;  // m from the vehicle's origin, degrees
+constexpr size_t kMostSensors = 255;                   // The column of a log is a byte.
+constexpr double kFarthest = 100, kMostTurnDeg = 720;  // m from the vehicle's origin, degrees
 constexpr double kMostMs = 1e6;
 
 Vec3 vector_of(const YamlMap& map, const std::string& key, double most) {
@@ -57,7 +57,7 @@ MountedSensor mounted(const YamlMap& map, const std::string& file) {
   MountedSensor m;
   m.name = map.get<std::string>("name");
   m.sensor = sensor_of(map, file);
-  const Vec3 turn = vector_of(map, "rotation_deg", kMostTurn) * kDegree;
+  const Vec3 turn = vector_of(map, "rotation_deg", kMostTurnDeg) * kDegree;
   m.vehicle_from_sensor.translation = vector_of(map, "position_m", kFarthest);
   m.vehicle_from_sensor.rotation = Eigen::AngleAxisd(turn.z(), Vec3::UnitZ()) *
                                    Eigen::AngleAxisd(turn.y(), Vec3::UnitY()) *
