@@ -339,6 +339,12 @@ def perceive(log: Log, output: Path | None = None, *, write_truth: Path | None =
     return lists
 
 
+def _facts_of(sensor: Sensor) -> str:
+    """Tells sensors of one name apart."""
+    return (f"{sensor.name}: {sensor.min_range_m} to {sensor.max_range_m} m, {sensor.range_sigma_m} m, "
+            f"{sensor.beams_per_s} beams/s")
+
+
 def optimize(log: Log, *, seed: int = 1, annotation: Path | None = None, primitives: Path | None = None,
              allow_outside: bool = False, sensor: Sensor | str | None = None, report: Path | None = None,
              checkpoint: Path | None = None, resume: bool = False, progress: Progress | None = None,
@@ -354,7 +360,7 @@ def optimize(log: Log, *, seed: int = 1, annotation: Path | None = None, primiti
     """
     if (annotation is None) != (primitives is None):
         raise ValueError("optimize: annotation and primitives belong together")
-    if resume and checkpoint is None:
+    if resume and not checkpoint:
         raise ValueError("optimize: resume needs a checkpoint")
     given, parameters = _divided(_core.optimize_options(), options)
     if annotation is None and "tune" in given:
@@ -362,7 +368,7 @@ def optimize(log: Log, *, seed: int = 1, annotation: Path | None = None, primiti
     core = _set(_core.TuneOptions(), given)
     core.seed = seed
     fixed = {name.replace("_", "-"): str(value) for name, value in parameters.items()}
-    known = fixed if sensor is None else {**fixed, "sensor": sensor if isinstance(sensor, str) else sensor.name}
+    known = fixed if sensor is None else {**fixed, "sensor": sensor if isinstance(sensor, str) else _facts_of(sensor)}
     file = _core.SearchFile(checkpoint or "", resume, f"underbrush {_core.version()}", json.dumps(known))
     with _shown(progress) as shown:
         if annotation is not None and primitives is not None:

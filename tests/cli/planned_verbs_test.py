@@ -25,6 +25,21 @@ class PlannedVerbs(jobs_test.JobFolder):
                 made, whole = (self.bytes_of(name + end).replace(name.encode(), b"") for name in ("made", "whole"))
                 self.assertEqual(made, whole)
 
+    def test_inputs_that_other_inputs_name(self):
+        sensor = pathlib.Path(__file__).parents[2] / "share/sensors/velodyne-vlp16.yaml"
+        (self.folder / "own.yaml").write_text(sensor.read_text())
+        (self.folder / "rig.yaml").write_text("name: rig\nsensors:\n  - {name: a, sensor: own.yaml}\n")
+        self.plan("simulate field.obj --rig rig.yaml --trajectory poses.txt -o made.ply", pieces=2)
+        self.ok("run", "plan", "--task", 0)
+        (self.folder / "own.yaml").write_text(sensor.read_text().replace("max_range_m: ", "max_range_m: 1"))
+        self.assert_fails(self.call("run", "plan", "--task", 1), 3, "own.yaml", "its hash differs")
+
+    def test_options_that_a_task_cannot_have(self):
+        for command in ("optimize seen.ply -o {k}.yaml --resume", "optimize seen.ply -o {k}.yaml --checkpoint=c",
+                        "annotate --generate forest -o {k}.json"):
+            (self.folder / "job.yaml").write_text(json.dumps({"command": command, "over": {"k": [1]}}))
+            self.assert_fails(self.call("plan", "job.yaml", "-o", "plan"), 3, "not ")
+
     def test_studies(self):
         studies = pathlib.Path(cli_test.PROGRAM).resolve().with_name("underbrush-study")
         if not studies.exists():

@@ -14,9 +14,9 @@ ROOMS = {
     "src/underbrush/calibrate": 2465,
     "src/underbrush/cluster": 1710, "src/underbrush/compact": 1900, "src/underbrush/core": 2930, "src/underbrush/credit": 1100,
     "src/underbrush/elements": 2615, "src/underbrush/fit": 2405, "src/underbrush/ground": 2000, "src/underbrush/io":
-    9345, "src/underbrush/jobs": 2010, "src/underbrush/keyframes": 2095, "src/underbrush/library": 500, "src/underbrush/likelihood": 2200, "src/underbrush/live": 1150, "src/underbrush/metrics": 3145,
+    9345, "src/underbrush/jobs": 2025, "src/underbrush/keyframes": 2095, "src/underbrush/library": 500, "src/underbrush/likelihood": 2200, "src/underbrush/live": 1150, "src/underbrush/metrics": 3145,
     "src/underbrush/movers": 700, "src/underbrush/optimize": 700, "src/underbrush/osi": 5170,
-    "src/underbrush/perception": 5645, "src/underbrush/pipeline": 7195, "src/underbrush/plant_meshes": 260, "src/underbrush/primitives": 3715,
+    "src/underbrush/perception": 5645, "src/underbrush/pipeline": 7200, "src/underbrush/plant_meshes": 260, "src/underbrush/primitives": 3715,
     "src/underbrush/radiometry": 2300, "src/underbrush/rasters": 600, "src/underbrush/regions": 1410, "src/underbrush/sensor": 3520, "src/underbrush/serve": 7280,
     "src/underbrush/simulate": 2900, "src/underbrush/sites": 1850, "src/underbrush/surface": 1100, "src/underbrush/test_site": 1900,
     "src/underbrush/trace": 5935, "src/underbrush/update": 1200, "src/underbrush/worlds": 2050,

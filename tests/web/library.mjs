@@ -90,6 +90,7 @@ export async function editLibrary({ page, expect, ready, accessible, picture, pr
   await page.getByLabel('Search in names, classes and origins').fill('');
   await page.getByLabel('Kept or thrown out').selectOption('kept and thrown out');
   await page.getByLabel('Class of all shown').selectOption('small_tree');
+  await all('Relabel').click();
   await waitFor(page, 'primitiveEdits', `${trees.filter((p) => p.class !== 'small_tree').length}`);
   expect((await column('Class')).every((c) => c === 'small_tree'), 'all trees are small');
   await press('<');

@@ -54,7 +54,8 @@ export class PrimitiveEdits {
   change(models: number[], to: { out?: boolean; name?: string; class?: string }): number {
     const { class: wanted } = to;
     const able = models.filter((m) => wanted === undefined || this.classesOf(m).includes(wanted));
-    if (able.length === 0) throw new Error(wanted === undefined ? 'There is nothing to change' : `None of these may become ${wanted}`);
+    if (models.length === 0) throw new Error('There is nothing to change');
+    if (able.length === 0) throw new Error(`None of these may become ${wanted}`);
     const bytes = new TextEncoder().encode(to.name ?? '').length;
     if (bytes > this.facts.most_name_bytes) throw new Error(`A name has ${this.facts.most_name_bytes} bytes at most`);
     const chosen = new Set(able);

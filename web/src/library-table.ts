@@ -63,16 +63,13 @@ export class LibraryTable {
     };
     [this.kind, this.fate].forEach((box) => box.addEventListener('change', again));
     this.text.addEventListener('input', again);
-    this.classOfAll.addEventListener('change', () => {
-      this.changeAll({ class: this.classOfAll.value });
-      this.classOfAll.value = '';
-    });
     const bulk = el(
       'div',
       { class: 'filters', role: 'group', 'aria-label': 'All shown' },
       button('Throw out all shown', 'Throw out every primitive that the filters leave', () => this.changeAll({ out: true })),
       button('Bring back all shown', 'Bring back every primitive that the filters leave', () => this.changeAll({ out: false })),
       this.classOfAll,
+      button('Relabel all shown', 'Give every primitive that the filters leave this class', () => this.changeAll({ class: this.classOfAll.value })),
     );
     const close = button('×', 'Close the table (#)', () => this.actions.close());
     close.setAttribute('aria-label', 'Close the table');
@@ -93,7 +90,7 @@ export class LibraryTable {
       ...kinds.map((kind) => el('option', { value: kind }, kind === 'patch' ? 'cells of patches' : `all ${kind}s`)),
       ...classes.map((c) => el('option', { value: c.name }, c.name)),
     );
-    this.classOfAll.replaceChildren(el('option', { value: '' }, 'class of all shown'), ...classes.map((c) => el('option', { value: c.name }, c.name)));
+    this.classOfAll.replaceChildren(...classes.map((c) => el('option', { value: c.name }, c.name)));
     this.show();
   }
 
@@ -105,7 +102,8 @@ export class LibraryTable {
 
   /** Changes all rows that the filters leave, those below the last row too. */
   private changeAll(to: { out?: boolean; class?: string }): void {
-    const rows = this.sorted().filter((row) => (to.out === undefined ? !row.out : row.out !== to.out));
+    const differs = (row: Row) => (to.out === undefined ? !row.out && row.class !== to.class : row.out !== to.out);
+    const rows = this.sorted().filter(differs);
     this.actions.change(rows.map((row) => row.model), to);
   }
 

@@ -36,6 +36,9 @@ namespace {
 std::vector<std::string> started(std::vector<std::string> command, const std::string& program) {
   if (command.at(0) == kStudy) {
     command[0] = std::filesystem::path(program).parent_path() / "underbrush-study";
+    if (!std::filesystem::exists(command[0])) {
+      throw IoError(command[0] + " is not there: studies are built from the source");
+    }
   } else {
     command.insert(command.begin(), program);
   }

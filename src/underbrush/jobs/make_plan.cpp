@@ -22,7 +22,7 @@ namespace {
 /// A verb whose commands depend on nothing but their inputs, and the options that name outputs.
 struct PlannedVerb {
   std::string_view name;
-  std::array<std::string_view, 4> outputs;  ///< With the short name before the long one.
+  std::array<std::string_view, 5> outputs;  ///< With the short name before the long one.
 };
 
 constexpr PlannedVerb kVerbs[] = {
@@ -37,9 +37,8 @@ constexpr PlannedVerb kVerbs[] = {
     {"extract", {"-o", "--output", "--json"}},
     {"rasters", {"-o", "--output", "--json"}},
     {"split", {"--train", "--test"}},
-    {"actors", {"-o", "--output", "--marked", "--json"}},
-    {"annotate", {"-o", "--output", "--json"}},
-    {"optimize", {"-o", "--output", "--json"}},
+    {"actors", {"-o", "--output", "--marked", "--met", "--json"}},
+    {"optimize", {"-o", "--output", "--json", "--report"}},
     {kStudy, {"--json", "--report", "--keep"}},
 };
 
@@ -82,6 +81,11 @@ Command taken_apart(const std::vector<std::string>& words) {
     const std::string path = equals == std::string::npos ? words[k] : words[k].substr(equals + 1);
     require(!path.empty() && path != "-", "an output of a task is a file or folder");
     out.outputs.push_back({option, path});
+  }
+  for (const std::string& word : words) {
+    const std::string option = word.substr(0, word.find('='));
+    if (option != "--checkpoint" && option != "--resume") continue;
+    throw std::invalid_argument(option + " is not for a plan, whose tasks run whole");
   }
   if (out.outputs.empty()) {
     throw std::invalid_argument("the command of " + std::string(verb.name) +
@@ -156,7 +160,11 @@ class Planner {
       const size_t first = words[k].find(':'), last = words[k].rfind(':');  // MODEL:POSES:MATERIAL
       if (first != last) add(words[k].substr(first + 1, last - first - 1));
     }
-    if (words[0] == "compose") add_annotated(found);
+    if (words[0] == "compose" || words[0] == "optimize") add_annotated(found);
+    const std::string rig = words[0] == "simulate" ? value_of(words, "--rig") : "";
+    if (fs::exists(rig)) {
+      for (const perception::MountedSensor& s : perception::load_rig(rig).sensors) add(s.sensor);
+    }
     for (const std::string& path : found) {
       if (plan_.inputs.contains(path)) continue;
       plan_.inputs[path] = {io::hash_of_all(regions::hashed_parts(path)), io::size_of(path)};

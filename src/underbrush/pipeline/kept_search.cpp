@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "underbrush/core/check.hpp"
+#include "underbrush/io/hash.hpp"
 #include "underbrush/io/json_text.inl"
 #include "underbrush/optimize/checkpoint.hpp"
 
@@ -26,6 +27,8 @@ std::string identity_of(const TuningProblem& problem, const optimize::TuneOption
     run["parameters"].push_back({q.name, q.low, q.high, int(q.scale), problem.start[k]});
   }
   run["fixed"] = io::json_of_text(file.fixed);
+  const std::filesystem::path sensor = run["fixed"].value("sensor", "");
+  if (std::filesystem::is_regular_file(sensor)) run["sensor"] = io::hash_of(sensor);
   run["program"] = file.program;
   run["inputs"] = file.inputs;
   return io::text_of_json(run);
@@ -37,10 +40,11 @@ std::vector<optimize::Evaluation> past_of(const SearchFile& file, const std::str
   const optimize::Checkpoint found = optimize::read_checkpoint(file.path);
   if (!file.resume) {
     if (found.finished) return {};
-    throw std::invalid_argument("optimize: " + printable(file.path.string()) + " holds " +
-                                std::to_string(found.evaluations.size()) +
-                                " evaluations of a search that did not end; give --resume to go "
-                                "on, or remove it");
+    throw std::invalid_argument(
+        "optimize: " + printable(file.path.string()) + " holds " +
+        std::to_string(found.evaluations.size()) +
+        " evaluations of a search that did not end; give --resume (in Python "
+        "resume=True) to go on, or remove it");
   }
   if (io::json_of_text(found.run) != io::json_of_text(identity)) {
     throw FormatError(file.path.string(), "",

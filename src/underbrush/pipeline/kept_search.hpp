@@ -32,8 +32,8 @@ KeptSearch tune_and_keep(
     const TuningProblem& problem, const optimize::TuneOptions& options, const SearchFile& file,
     const std::function<void(std::span<const optimize::Evaluation>)>& after = {});
 
-/// Notes in the file of a search that it has ended and its result is written, so that the next one
-/// may replace it. Throws as `tune_and_keep` does.
+/// Notes in the file of a search that it has ended, so that the next one may replace it. Whoever
+/// writes the result does so before. Throws as `tune_and_keep` does.
 void end_search(const SearchFile& file);
 
 }  // namespace underbrush::pipeline

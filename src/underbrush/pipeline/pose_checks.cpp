@@ -246,8 +246,7 @@ std::string warning_of_ground(ScanSource& scans, const std::vector<ScanInfo>& in
   if (tilted && is_better(unturned)) {
     return "by the poses the ground is steep or above the sensor, and it is level without their "
            "rotations: are they poses of a camera or of another frame, or quaternions with w as "
-           "the "
-           "first number?";
+           "the first number?";
   }
   if (is_better(hanging)) {
     return "by the poses the ground is above the sensor: does the sensor hang upside down? Then "

@@ -68,7 +68,7 @@ SceneParts read_scene_parts(const std::filesystem::path& annotation, const std::
   out.ground = elements::read_model(out.annotation.ground.lexically_normal());
   NamedSet named = primitives_named(primitives, seed);
   out.primitives = std::move(named.set);
-  out.inputs = {annotation};
+  out.inputs = {annotation, out.annotation.ground.lexically_normal()};
   out.inputs.insert(out.inputs.end(), named.inputs.begin(), named.inputs.end());
   out.warnings = std::move(named.warnings);
   return out;
